@@ -165,6 +165,13 @@ Json editsJson(const std::optional<RunEdits>& e) {
           {"added_m3", e->added_m3 ? Json(*e->added_m3) : Json(nullptr)}};
 }
 
+Json deviceJson(const std::optional<RunDevice>& device) {
+  if (!device) return nullptr;
+  Json figures = Json::object();
+  for (const auto& [key, value] : device->figures) figures[key] = value;
+  return {{"kind", device->kind}, {"force_off", device->force_off}, {"figures", figures}};
+}
+
 Json faultJson(const RunFault& f) {
   return {{"name", f.name}, {"ticks", f.ticks},   {"first_tick", f.first_tick},
           {"text", f.text}, {"effect", f.effect}, {"remedy", f.remedy}};
@@ -225,6 +232,7 @@ Json makeSummary(const TouchRun& run) {
           {"stability", stabilityJson(run.stability)},
           {"exact", exactJson(run.exact)},
           {"edits", editsJson(run.edits)},
+          {"device", deviceJson(run.device)},
           {"faults", listOf(run.faults, faultJson)},
           {"notes", run.notes},
           {"phases", listOf(run.phases, phase)},

@@ -39,6 +39,13 @@ struct RunWork {
   std::vector<std::string> threads = {};  // names of those that the process had while the servo ran
 };
 
+// A device that a person held.
+struct RunDevice {
+  std::string kind;       // "polhem-v1"
+  std::string force_off;  // why it exerted no force at the end: "uncalibrated"; "none": it did
+  std::vector<std::pair<std::string, double>> figures = {};  // what it counted: Device::figures()
+};
+
 struct RunFault {
   std::string name;             // of the flag: "stale_window"
   std::int64_t ticks = 0;       // number of ticks in which it was raised
@@ -109,6 +116,7 @@ struct TouchRun {
   std::vector<std::string> files;  // written or to be written, as shown to the user
   std::optional<ExactErrors> exact;
   std::optional<RunEdits> edits;
+  std::optional<RunDevice> device = {};
 };
 
 // `run.figures`; computed where it is empty.

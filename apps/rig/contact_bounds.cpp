@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -81,6 +82,13 @@ bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Dev
   const Wall wall = stiffestWall(settings);
   return !std::ranges::all_of(
       hands, [&](const HandParameters& hand) { return isStable(sampledLoop(loop, device, hand), wall); });
+}
+
+double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  if (device.hands().empty() || !algorithmEntry(settings.algorithm).traits.shows_surface)
+    return std::numeric_limits<double>::infinity();
+  const double damping = settings.parameters.damping_Ns_per_m;
+  return stiffnessBound(worstLoop(loop, device, damping), damping);
 }
 
 std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {

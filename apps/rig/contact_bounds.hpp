@@ -20,6 +20,10 @@ namespace palpate {
 // algorithm has no stiffness.
 [[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
+// The stiffest surface that is stable in every hand with the settings' damping [N/m]; infinite: nothing is known of the
+// device, or the algorithm has no stiffness.
+[[nodiscard]] double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
+
 // What lies beyond the bounds, one line each, with the values that would be safe. Empty: nothing does, or nothing is
 // known. With the passivity controller the bounds do not apply.
 [[nodiscard]] std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop,

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/devices/device_table.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/devices/registry.hpp"
 
@@ -17,12 +18,14 @@ struct IdleOption {
   const char* why;  // the flag has no effect
 };
 
-// Only of the default device: another one refuses what it does not have.
+bool isReal(const Scene& scene) {
+  return deviceKindNamed(scene.device) != nullptr;
+}
 bool hasSpringHand(const Scene& scene) {
-  return scene.spring_hand || scene.device != devices().front().name;
+  return scene.spring_hand && !isReal(scene);
 }
 bool buildsPath(const Scene& scene) {
-  return scene.path_file.empty();
+  return scene.path_file.empty() && !isReal(scene);
 }
 // An unknown algorithm is refused elsewhere.
 const AlgorithmEntry* entryOf(const Scene& scene) {
@@ -43,9 +46,12 @@ bool draws(const Scene& scene) {
   return scene.picture;
 }
 
-constexpr const char* kSpringOnly = "with --hand rigid the tool is on its path whatever it feels; give --hand spring";
+constexpr const char* kSpringOnly =
+    "only a simulated hand that is a spring has it: with --hand rigid the tool is on its path whatever it feels; give "
+    "--hand spring";
 constexpr const char* kNoSurface = "this --algorithm has no surface to be stiff; its tables say how hard it pushes";
-constexpr const char* kNoBuiltPath = "the tool's way is that of --path";
+constexpr const char* kNoBuiltPath = "the tool's way is that of --path, or of a real --device";
+constexpr const char* kNoReal = "only a real --device has it; 'palpate devices' lists them";
 constexpr const char* kHaptizationOnly = "only --algorithm haptization uses it";
 constexpr const char* kNoPicture = "nothing is drawn with --picture off";
 
@@ -68,7 +74,19 @@ const IdleOption kIdleOptions[] = {
     {"--hand-stiffness", hasSpringHand, kSpringOnly},
     {"--device-mass", hasSpringHand, kSpringOnly},
     {"--device-damping", hasSpringHand, kSpringOnly},
-    {"--seconds", buildsPath, "the run is as long as the path of --path"},
+    {"--device-path", isReal, kNoReal},
+    {"--hid", isReal, kNoReal},
+    {"--calibrated", isReal, kNoReal},
+    {"--current-limit", isReal, kNoReal},
+    {"--place-at", isReal, kNoReal},
+    {"--place-turn", isReal, kNoReal},
+    {"--place-scale", isReal, kNoReal},
+    {"--force-scale", isReal, kNoReal},
+    {"--clutch", isReal, kNoReal},
+    {"--edge", isReal, kNoReal},
+    {"--path", [](const Scene& s) { return !isReal(s); }, "a hand leads a real --device"},
+    {"--seconds", [](const Scene& s) { return s.path_file.empty() || isReal(s); },
+     "the run is as long as the path of --path"},
     {"--toward", buildsPath, kNoBuiltPath},
     {"--start", buildsPath, kNoBuiltPath},
     {"--slide-toward", buildsPath, kNoBuiltPath},

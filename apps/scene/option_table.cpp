@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/devices/device_table.hpp"
 #include "apps/scene/object_table.hpp"
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -41,8 +42,12 @@ std::span<const char* const> algorithmNames() {
   return kNames.words();
 }
 std::span<const char* const> deviceNames() {
-  static const Names kNames(devices());
-  return kNames.words();
+  static const std::vector<const char*> kWords = [] {
+    std::vector<const char*> words;
+    for (const std::string& name : deviceNamesForUsers()) words.push_back(name.c_str());
+    return words;
+  }();
+  return kWords;
 }
 // An option for a parameter of the default device, with that parameter's range and help.
 SceneOption ofDevice(const char* flag, const char* key, const char* unit, double Scene::*member, double scale,
@@ -129,6 +134,18 @@ const SceneOption kOptions[] = {
     ofDevice("--device-damping", "device.damping_Ns_per_m", "N s/m", &Scene::device_damping_Ns_per_m, 1, "damping_Ns_per_m"),
     ofDevice("--encoder", "device.encoder_resolution_mm", "mm", &Scene::encoder_resolution_m, kMm, "encoder_resolution_m"),
     {"--delay", "device.delay_ticks", "ticks", "delay of the simulated device's force", integer(&Scene::device_delay_ticks, 0, 1000)},
+    {"--device-path", "device.path", "", "of several devices of a kind, the one there, as /dev/hidraw0", TextOption{&Scene::device_path, false}},
+    {"--hid", "device.hid", "", "how a real device is reached: by the kernel, or by libusb, which takes it from the kernel",
+     SwitchOption{&Scene::device_by_libusb, "hidraw", "libusb"}},
+    {"--calibrated", "device.calibrated", "", "the device was calibrated since it was switched on, by another program", SwitchOption{&Scene::device_calibrated, "no", "yes", true}},
+    {"--current-limit", "device.current_limit_A", "A", "what the amplifiers of the device's firmware bear; without it a Polhem exerts no force", NumberOption{&Scene::current_limit_A, 1, 0, 20, true}},
+    {"--place-at", "device.place_at_mm", "mm", "world point of the middle of the device's workspace; the middle of the volume if not given", VectorOption{&Scene::place_at_W, kMm, false}},
+    {"--place-turn", "device.place_turn_deg", "deg", "turns of the device about the world's x, then y, then z; if not given the user faces the patient: right is +x, up +z, towards the user -y", VectorOption{&Scene::place_turn_rad, 1 / kDegreesPerRadian, false}},
+    {"--place-scale", "device.place_scale", "", "millimetres of the scene for one of the device; if not given 1, or as much more as the volume is larger than its workspace", NumberOption{&Scene::place_scale, 1, 0.001, 1000}},
+    {"--force-scale", "device.force_scale", "", "newtons of the device for one of the scene", number(&Scene::force_scale, 1, 0.001, 1000)},
+    {"--clutch", "device.clutch", "", "switch: while the handle's switch is pressed the tool stays where it is, without force",
+     SwitchOption{&Scene::no_clutch, "switch", "off"}},
+    {"--edge", "device.edge_stiffness_N_per_m", "N/m", "stiffness with which the end of the device's workspace pushes back, 0: not", number(&Scene::edge_stiffness_N_per_m, 1, 0, 2000)},
     {"--path", "path.file", "", "CSV file with header time_s,x_m,y_m,z_m, instead of a path built from the surface; a fifth column brush says where the tool edits, and how (--edit)", TextOption{&Scene::path_file, false}},
     {"--toward", "path.toward", "", "world direction in which the tool approaches; chosen if not given", VectorOption{&Scene::path_toward, 1, true}},
     {"--start", "path.start_mm", "mm", "world point near the surface where the press begins; chosen if not given", VectorOption{&Scene::path_start_W, kMm, false}},

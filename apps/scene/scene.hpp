@@ -83,6 +83,17 @@ struct Scene {
   double device_damping_Ns_per_m = usualOfDevice("damping_Ns_per_m");
   double encoder_resolution_m = usualOfDevice("encoder_resolution_m");  // 0: none
   int device_delay_ticks = static_cast<int>(usualOfDevice("delay_ticks"));
+  // a real device, and its place in the scene (servo/devices/placed_device.hpp)
+  std::string device_path;                // "/dev/hidraw0"; empty: the only one of its kind
+  bool device_by_libusb = false;          // false: by the kernel's hidraw
+  bool device_calibrated = false;         // since it was switched on, by another program
+  std::optional<double> current_limit_A;  // of its firmware's amplifiers; empty: not known, and forces stay off
+  std::optional<Vec3> place_at_W;         // where the middle of its workspace lies; empty: the middle of the volume [m]
+  std::optional<Vec3> place_turn_rad;     // about the world's x, then y, then z; empty: the user faces the patient
+  std::optional<double> place_scale;      // scene's metres for one of the device; empty: its workspace holds the volume
+  double force_scale = 1;                 // device's newtons for one of the scene
+  bool no_clutch = false;                 // false: the handle's switch is a clutch
+  double edge_stiffness_N_per_m = 300;    // with which the end of its workspace pushes back, 0: not
   // path: a CSV file, or built from the surface
   std::string path_file;
   std::optional<Vec3> path_toward;      // direction in which the tool approaches (world); empty: chosen

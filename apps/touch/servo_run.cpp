@@ -97,13 +97,12 @@ void checkRunLength(const Scene& scene, std::uint64_t available_bytes) {
               "make it shorter or the rate lower");
 }
 
-ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
+ServoRun runServo(const Scene& scene, RigVolume volume, Device& device, Engine& engine, RigEdits* edits,
                   Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
-  const std::unique_ptr<Device> device = makeDevice(scene.device, deviceSetup(scene, path));
   const RigSettings settings = rigSettings(scene, engine.isovalue());
-  TouchRig rig(engine, *device, parameters, std::move(volume), settings, edits);
-  before_first_tick(boundWarnings(settings, parameters, *device));
+  TouchRig rig(engine, device, parameters, std::move(volume), settings, edits);
+  before_first_tick(boundWarnings(settings, parameters, device));
   if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
   return runReal(rig, scene.duration_s, progress);
 }

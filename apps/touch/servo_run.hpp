@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/servo_run.hpp: the run of the servo: checks its length beforehand, and leads the scene's simulated device
-// along a path on a rig, by the real or the simulated clock.
+// apps/touch/servo_run.hpp: the run of the servo: checks its length beforehand, and lets a device touch the volume on a
+// rig, by the real or the simulated clock.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "apps/console/progress.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
-#include "servo/devices/path.hpp"
+#include "servo/devices/device.hpp"
 
 namespace palpate {
 
@@ -35,7 +35,7 @@ struct ServoRun {
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
 // once, after the memory for the records of all ticks has been allocated, with what the device cannot render
 // (apps/rig/contact_bounds.hpp).
-[[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, const Path& path, Engine& engine, RigEdits* edits,
+[[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, Device& device, Engine& engine, RigEdits* edits,
                                 Progress& progress,
                                 const std::function<void(const std::vector<std::string>&)>& before_first_tick);
 

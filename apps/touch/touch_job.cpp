@@ -19,12 +19,14 @@
 #include "apps/touch/device_ahead.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/force_error.hpp"
+#include "apps/touch/held_device.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
 #include "apps/touch/plane_age.hpp"
 #include "apps/touch/run_notes.hpp"
+#include "apps/touch/scene_device.hpp"
 #include "apps/touch/scene_objects.hpp"
 #include "apps/touch/scene_plan.hpp"
 #include "apps/touch/scene_settings.hpp"
@@ -93,6 +95,7 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   velocity.name = scene.velocity;
   (void)VelocityEstimate(velocity, scene.rate_hz);
   checkEditOptions(scene);
+  checkDevice(scene);
   if (scene.require_real_time && !scene.simulated_clock) checkRealTime(LoopParameters{}.priority);
   if (scene.path_file.empty()) checkRunLength(scene, availableMemoryBytes());
 }
@@ -112,6 +115,11 @@ std::string shownName(const VolumeFacts& facts) {
   if (facts.format == "phantom") return facts.source;
   const std::filesystem::path path(facts.source);
   return path.has_filename() ? path.filename().string() : path.parent_path().filename().string();
+}
+
+// No path leads a device that a person holds.
+ScriptedPath restingPath(const Vec3& at_W) {
+  return {.path = SampledPath({0}, {at_W}, SampledPath::Interpolation::kLinear), .phases = {}, .notes = {}};
 }
 
 RunVolume volumeOf(const Volume& volume, double isovalue) {
@@ -261,6 +269,7 @@ class TouchJob {
     compute();
     layPath();
     readyAlgorithm();
+    readyDevice();
     readyEdits();
   }
   void feel();
@@ -272,6 +281,7 @@ class TouchJob {
   void layPath();
   void warn(const std::string& warning);
   void readyAlgorithm();
+  void readyDevice();
   void readyEdits();
   void assess();
   void finishEdits();
@@ -289,12 +299,14 @@ class TouchJob {
   std::optional<DeviceAhead> ahead_;
   std::optional<Volume> volume_;
   double isovalue_ = 0;  // of the volume
+  VolumeBox box_;
   Plan plan_;
   std::unique_ptr<Engine> engine_;
   std::optional<Volume> filtered_;
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
-  DeviceLimits device_;
+  std::unique_ptr<Device> device_;
+  DeviceLimits limits_;
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
   // With --save they own the volume while the servo runs: nobody else reads it before finish().
@@ -310,6 +322,7 @@ void TouchJob::load() {
   checkIsovalue(*volume_, isovalue_);
   run_.scene.isovalue = isovalue_;
   run_.volume = volumeOf(*volume_, isovalue_);
+  box_ = boxOf(volume_->lattice(), volume_->size());
 }
 
 void TouchJob::compute() {
@@ -328,7 +341,10 @@ void TouchJob::compute() {
 }
 
 void TouchJob::layPath() {
-  path_ = stages_.run("path", "building the path", [&] { return scriptedPath(scene_, *surface_); });
+  path_ = stages_.run("path", "building the path", [&] {
+    if (isHeld(scene_)) return restingPath(box_.middle_W);
+    return scriptedPath(scene_, *surface_);
+  });
   run_.scene.duration_s = scene_.path_file.empty() ? scene_.duration_s : path_->path.duration_s();
   checkRunLength(run_.scene, availableMemoryBytes());
   if (!run_.scene.press_depth_m) run_.scene.press_depth_m = path_->depth_m;
@@ -340,6 +356,7 @@ void TouchJob::layPath() {
   const std::vector<std::string> start_notes = notesOnStart(objects_, path_->path.position(0));
   run_.notes.insert(run_.notes.end(), start_notes.begin(), start_notes.end());
   run_.object_outlines = objects_.outlines;
+  if (isHeld(scene_)) return;
   if (const auto note = noteOnPlaneAge(run_.scene, path_->path, *surface_)) warn(*note);
 }
 
@@ -363,6 +380,14 @@ void TouchJob::readyAlgorithm() {
   run_.plan = planWords(scenePlanLines(scene_, plan_, engine_->planFacts(), triangles));
 }
 
+void TouchJob::readyDevice() {
+  SceneDevice made = makeSceneDevice(scene_, path_->path, box_);
+  device_ = std::move(made.device);
+  if (!made.placement) return;
+  settleStiffness(run_.scene, *device_);
+  for (const std::string& warning : heldDeviceWords(run_.scene, *device_, *made.placement)) warn(warning);
+}
+
 void TouchJob::readyEdits() {
   if (scene_.edit.empty()) return;
   object_m3_ = objectVolume_m3(*volume_, isovalue_);
@@ -381,7 +406,7 @@ void TouchJob::feel() {
   ServoRun felt = stages_.run("servo", "making ready to palpate", [&] {
     ServoRun run;
     const auto servo = [&] {
-      run = runServo(run_.scene, std::move(rig_volume_), path_->path, *engine_, edits_ ? &edits_->edits() : nullptr,
+      run = runServo(run_.scene, std::move(rig_volume_), *device_, *engine_, edits_ ? &edits_->edits() : nullptr,
                      progress_, begin);
     };
     edits_ ? edits_->during(servo) : servo();
@@ -391,25 +416,27 @@ void TouchJob::feel() {
   run_.work.threads = std::move(felt.threads);
   LoopResult& result = felt.loop;
   run_.records = std::move(result.records);
-  device_ = result.device;
+  limits_ = result.device;
   run_.grid_points = result.ticks_run + result.ticks_skipped;
   run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
+  if (isHeld(scene_)) run_.device = heldDevice(scene_.device, *device_);
+  device_.reset();  // its threads end; it was told to exert no force
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
 }
 
 void TouchJob::assess() {
   run_.figures = figuresOf(run_);
-  run_.stability = assessContact(run_.records, {.resolution_m = device_.position_resolution_m,
-                                                .delay_ticks = device_.force_delay_ticks,
-                                                .lacking_Ns_per_m = lackingDamping(run_.scene, device_),
-                                                .path = &path_->path});
+  run_.stability = assessContact(run_.records, {.resolution_m = limits_.position_resolution_m,
+                                                .delay_ticks = limits_.force_delay_ticks,
+                                                .lacking_Ns_per_m = lackingDamping(run_.scene, limits_),
+                                                .path = isHeld(scene_) ? nullptr : &path_->path});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
   for (const auto& note :
        {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
-        noteOnEncoders(run_.scene, device_), noteOnTexture(run_.scene), noteOnFaintForce(scene_, *run_.figures),
+        noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(scene_, *run_.figures),
         noteOnNoContact(*run_.figures, !run_.ended_early.empty()), noteOnHand(scene_, *run_.figures, run_.phases),
         noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);

@@ -9,6 +9,7 @@
 #include "apps/load/load_and_tell.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/scene_plan.hpp"
+#include "apps/touch/scene_settings.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
@@ -165,7 +166,8 @@ Trial Workbench::trialOf(const Candidate& candidate, std::shared_ptr<Made> made,
   Progress quiet(nullptr);
   const RigVolume rig{.scale = ground.scale, .objects = objects_.objects, .isosurface = ground.mesh};
   made->engine->forgetWindow();  // else the last run's window could save this one a gather
-  const ServoRun run = runServo(scene, rig, ground.path->path, *made->engine, nullptr, quiet, [](const auto&) {});
+  const auto device = makeDevice(scene.device, deviceSetup(scene, ground.path->path));
+  const ServoRun run = runServo(scene, rig, *device, *made->engine, nullptr, quiet, [](const auto&) {});
   stopTuningIfInterrupted();
   Trial trial{.candidate = candidate,
               .loop_us = run.loop_us_a_tick.value_or(0),
@@ -212,7 +214,8 @@ std::vector<TickRecord> Workbench::feelTruest(const std::vector<TickRecord>& alo
   Progress quiet(nullptr);
   const RigVolume rig{.scale = ground->scale, .objects = objects_.objects, .isosurface = ground->mesh};
   made->engine->forgetWindow();
-  return runServo(scene, rig, path, *made->engine, nullptr, quiet, [](const auto&) {}).loop.records;
+  const auto device = makeDevice(scene.device, deviceSetup(scene, path));
+  return runServo(scene, rig, *device, *made->engine, nullptr, quiet, [](const auto&) {}).loop.records;
 }
 
 std::unique_ptr<Truth> Workbench::newTruth() {

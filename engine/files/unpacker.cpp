@@ -135,8 +135,9 @@ Unpacker::~Unpacker() = default;
 Unpacker::Unpacker(Unpacker&&) noexcept = default;
 Unpacker& Unpacker::operator=(Unpacker&&) noexcept = default;
 
-void Unpacker::unpackWhole() {
+bool Unpacker::unpackWhole() {
   if (state_->packing == Packing::kGzip) state_->whole = state_->input.whole();
+  return state_->whole.has_value();
 }
 
 std::size_t Unpacker::read(char* to, std::size_t count) {

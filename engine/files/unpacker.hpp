@@ -30,7 +30,8 @@ class Unpacker {
 
   // Before the first read of a gzip file of which all will be read: unpacks it in one go if it is of a size and a form
   // for that, which takes a quarter of the time and the memory for it until the end. What is delivered stays the same.
-  void unpackWhole();
+  // False: it goes block by block.
+  bool unpackWhole();
   // Returns the number of bytes delivered. It is less than `count` only at the end, if all checks hold.
   [[nodiscard]] std::size_t read(char* to, std::size_t count);
   // Reads to the end and returns the number of these bytes.

@@ -27,8 +27,8 @@ std::vector<unsigned char> bytesFrom(int descriptor, std::uint64_t offset, std::
 // ISIZE, the last four bytes: the length modulo 2^32.
 std::uint64_t toldLength(std::span<const unsigned char> packed) {
   std::uint64_t length = 0;
-  for (const unsigned char byte : {packed[packed.size() - 1], packed[packed.size() - 2], packed[packed.size() - 3],
-                                   packed[packed.size() - 4]})
+  for (const unsigned char byte :
+       {packed[packed.size() - 1], packed[packed.size() - 2], packed[packed.size() - 3], packed[packed.size() - 4]})
     length = length << 8U | byte;
   return length;
 }

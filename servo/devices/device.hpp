@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/devices/device.hpp: what the servo asks of a haptic device, real or simulated.
 //
-// Frame W: world; a device with a frame of its own converts. Units [m, N].
+// Frame W: world, unless a device's header names another; placed_device.hpp puts that into the world. Units [m, N].
 // Threads: only the servo thread calls elapse, read, reportAge_ns, write and held, in this order in each tick. They use
 // no heap, lock or throw, and no system call but the device's own I/O, which must not wait. The other functions are
 // called before the loop starts.
@@ -18,12 +18,35 @@
 
 namespace palpate {
 
+// Why a device exerts no force, whatever it is told; force_off.hpp has the words.
+enum class ForceOff : std::uint8_t {
+  kNone,            // it does exert forces
+  kInputOnly,       // it has no motors
+  kNoCurrentLimit,  // nobody said what its amplifiers bear
+  kUncalibrated,    // nobody knows where its handle is
+  kLimitZero,       // its force limit is 0
+  kDisconnected,    // it is not there
+};
+
+// A count or a time that a device tells of itself, for summaries.
+struct DeviceFigure {
+  std::string_view key;  // "reports_lost", "write_p99_us"
+  double value = 0;
+};
+
+struct DeviceBoundary {
+  Vec3 force_W = Vec3::Zero();  // [N]
+  double stored_J = 0;          // the energy of its spring [J]
+};
+
 struct DeviceLimits {
-  double force_limit_N = 0;          // largest force in any direction [N]
-  double position_resolution_m = 0;  // of its encoders; 0: rounding is negligible [m]
-  int force_delay_ticks = 0;         // from write() to the force that acts, in servo ticks
-  double slew_limit_N_per_s = 0;     // fastest change of force that it can follow; 0: not stated [N/s]
-  bool follows_force = true;         // false: no force moves it, so no contact with it can be unstable
+  double force_limit_N = 0;            // largest force in any direction [N]
+  double position_resolution_m = 0;    // of its encoders; 0: rounding is negligible [m]
+  int force_delay_ticks = 0;           // from write() to the force that acts, in servo ticks
+  double slew_limit_N_per_s = 0;       // fastest change of force that it can follow; 0: not stated [N/s]
+  bool follows_force = true;           // false: no force moves it, so no contact with it can be unstable
+  double stiffness_limit_N_per_m = 0;  // stiffest contact that its maker states; 0: not stated [N/m]
+  double workspace_radius_m = 0;       // around its origin; 0: not stated [m]
 };
 
 class Device {
@@ -35,6 +58,11 @@ class Device {
   // Empty: nothing is known of them, or no force moves the device. Set-up code; allocates.
   [[nodiscard]] virtual std::vector<HandParameters> hands() const { return {}; }
 
+  // Why it exerts no force now. Any thread.
+  [[nodiscard]] virtual ForceOff forceOff() const noexcept { return ForceOff::kNone; }
+  // What happened so far. Any thread; allocates.
+  [[nodiscard]] virtual std::vector<DeviceFigure> figures() const { return {}; }
+
   // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
   // before the first tick. A real device leaves this empty.
   virtual void elapse(int ticks) noexcept { static_cast<void>(ticks); }
@@ -44,6 +72,11 @@ class Device {
   // ago the newest one came. A device that answers each read() at once leaves this 0. If the age is not less than the
   // time since the last tick, the servo treats the position as one that it has already used.
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
+  // Whether its handle's switch is pressed; servo thread, after read().
+  [[nodiscard]] virtual bool pressed() const noexcept { return false; }
+  // The force with which the end of its workspace pushes the handle back, at the position that the last read() gave.
+  // The servo adds it to the contact's, in front of the safety gate.
+  [[nodiscard]] virtual DeviceBoundary boundary() const noexcept { return {}; }
   // The force to hold until the next write.
   [[nodiscard]] virtual bool write(const Vec3& force_W) noexcept = 0;
   // The force that the device holds after it took a write() of `force_W`: the same, or less if it cuts to a limit of

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/devices/registry.hpp: the haptic devices by name, with their parameters as data. A new one is a file here and a
-// row in registry.cpp; nothing outside this room names its type.
+// servo/devices/registry.hpp: the haptic devices by name, with their parameters as data. A new one is files here, one
+// of them NAME_entry.cpp; nothing outside this room names its type.
 //
 // Set-up only: allocates and throws.
 #pragma once
@@ -14,6 +14,7 @@
 
 #include "servo/devices/device.hpp"
 #include "servo/devices/path.hpp"
+#include "servo/devices/report_port.hpp"
 
 namespace palpate {
 
@@ -33,14 +34,19 @@ struct DeviceSetup {
   const Path* path = nullptr;  // leads a device that no real hand moves; outlives the device
   double rate_hz = 1000;       // of the servo [Hz]
   DeviceValues values = {};    // parameters that are given; the others have their usual value
+  PortOpener open = {};        // for a device on a bus
+  bool simulated_clock = false;
+  bool calibrated = false;                   // since it was switched on; for a device that must be
+  std::function<void()> thread_begins = {};  // called first in each thread that the device has of its own
 };
 
 struct DeviceEntry {
   std::string_view name;
   std::string_view description;  // one line
   bool needs_path = false;       // DeviceSetup::path must be given
-  std::span<const DeviceParameter> (*parameters)();
-  std::unique_ptr<Device> (*make)(const DeviceSetup& setup);
+  bool needs_port = false;       // DeviceSetup::open must be given; the device has a frame of its own, D
+  std::span<const DeviceParameter> (*parameters)() = nullptr;
+  std::unique_ptr<Device> (*make)(const DeviceSetup& setup) = nullptr;
 };
 
 // The first is the default.

@@ -59,12 +59,6 @@ void checkRealTime(int priority) {
   refuseWithoutRealTime(status);
 }
 
-std::int64_t monotonicNow_ns() noexcept {
-  timespec now{};
-  clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kNsPerS + now.tv_nsec;
-}
-
 void sleepUntil(std::int64_t due_ns) noexcept {
   timespec due{};
   due.tv_sec = due_ns / kNsPerS;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/loop/real_time.hpp: what the servo thread asks of the system before its first tick, and its clock.
+// servo/loop/real_time.hpp: what the servo thread asks of the system before its first tick, and its sleep.
 //
 // What the system refuses is noted with reason and remedy, and the loop goes on. Thread: the servo's, for itself. Cost:
-// becomeRealTime() makes system calls, so call it before the first tick only. The clock's two functions are for every
+// becomeRealTime() makes system calls, so call it before the first tick only. sleepUntil() is for every
 // tick.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "base/monotonic_clock.hpp"
 
 namespace palpate {
 
@@ -30,10 +32,7 @@ void refuseWithoutRealTime(const RealTimeStatus& status);
 // other work. No memory stays locked.
 void checkRealTime(int priority);
 
-// CLOCK_MONOTONIC [ns]; no system call where the vDSO serves it.
-[[nodiscard]] std::int64_t monotonicNow_ns() noexcept;
-
-// Sleeps until `due_ns` on that clock; returns at once if it has passed. Signals do not end it early.
+// Sleeps until `due_ns` on the monotonic clock; returns at once if it has passed. Signals do not end it early.
 void sleepUntil(std::int64_t due_ns) noexcept;
 
 }  // namespace palpate

@@ -241,10 +241,14 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
     out.stored_J = std::numeric_limits<double>::quiet_NaN();
   }
   const double share = guard_.share();
-  const Vec3 damping_W = passivity_.damping(
-      velocity_.value(), {share * out.stored_J, (share * out.force_W).stableNorm()}, gate_.forceLimit());
-  const GateOutput gated =
-      gate_.pass({share * out.force_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
+  Vec3 pushed_W = share * out.force_W;
+  double stored_J = share * out.stored_J;
+  if (const DeviceBoundary edge = device_.boundary(); edge.stored_J > 0) {
+    pushed_W += edge.force_W;
+    stored_J += edge.stored_J;
+  }
+  const Vec3 damping_W = passivity_.damping(velocity_.value(), {stored_J, pushed_W.stableNorm()}, gate_.forceLimit());
+  const GateOutput gated = gate_.pass({pushed_W + damping_W, age.age_ns, faults | out.faults, gap_ns, report_age_ns});
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);

@@ -78,6 +78,16 @@ TEST_F(PlanBenchRuns, ClimbsFromTheBareTouchToEverything) {
 }
 
 // Without a round to warm up each scene is run once.
+TEST_F(PlanBenchRuns, UsesTheVulkanDeviceThatIsAskedFor) {
+  const std::size_t before = program_.called().size();
+  Progress progress;
+  static_cast<void>(runPlanBench(
+      {.rounds = 1, .warms_up = false, .volume = "phantom:sphere", .gpu = "that one", .program = gentle()}, progress));
+  const std::vector<std::string> calls = program_.called();
+  ASSERT_GT(calls.size(), before);
+  for (std::size_t i = before; i < calls.size(); ++i) EXPECT_THAT(calls[i], HasSubstr("gpu = \"that one\""));
+}
+
 TEST_F(PlanBenchRuns, AQuickOneRunsEachSceneOnce) {
   PlanBenchRequest request = PlanBenchRequest::quick();
   request.volume = "phantom:sphere";

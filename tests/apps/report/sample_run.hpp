@@ -79,6 +79,22 @@ inline TouchRun sampleRun() {
   run.edits->save_version = 3;
   run.edits->save_s = {0.25, 0.5};
   run.exact = ExactErrors{0.01, 0.05, 0.3, 1.2, 2000, true, 0.02, 0.04};
+  run.device = {.kind = "polhem-v1",
+                .force_off = "none",
+                .figures = {{"reports_written", 1},
+                            {"reports_received", 2},
+                            {"reports_lost", 3},
+                            {"reports_superseded", 4},
+                            {"reports_garbled", 5},
+                            {"reports_implausible", 6},
+                            {"writes_refused", 7},
+                            {"commands_too_old", 8},
+                            {"disconnects", 9},
+                            {"reconnects", 10},
+                            {"calibrations", 11},
+                            {"write_p50_us", 12},
+                            {"write_p99_us", 13},
+                            {"write_max_us", 14}}};
   return run;
 }
 

@@ -97,6 +97,9 @@ TEST(Summary, HoldsEveryFigureToTheLetter) {
   EXPECT_EQ(s["stages"][1], Json::parse(R"({"name": "gradient", "seconds": 0.1})"));
   EXPECT_EQ(s["memory"][0], Json::parse(R"({"name": "bricks on the GPU", "bytes": 3145728})"));
   EXPECT_EQ(s["phases"][2], Json::parse(R"({"name": "slide", "begin_s": 2, "end_s": 4})"));
+  EXPECT_EQ(s["device"]["kind"], "polhem-v1");
+  EXPECT_EQ(s["device"]["force_off"], "none");
+  EXPECT_EQ(s["device"]["figures"]["reports_lost"], 3);
   EXPECT_EQ(s["ended_early"], nullptr);
   EXPECT_EQ(s["scene"]["objects"].size(), 2U);
   run.ended_early = "stopped";

@@ -30,7 +30,8 @@ TEST(IdleOptions, EveryRowIsAFlagOfTheOptionTable) {
 TEST(IdleOptions, OnlyWhatWasGivenIsTold) {
   EXPECT_THAT(idle(Scene{}, {}), IsEmpty());
   EXPECT_THAT(idle(Scene{}, {"--stiffness", "--n"}), IsEmpty());
-  EXPECT_THAT(idle(Scene{}, {"--hand-mass"}), ElementsAre(StartsWith("--hand-mass has no effect: with --hand rigid")));
+  EXPECT_THAT(idle(Scene{}, {"--hand-mass"}),
+              ElementsAre(StartsWith("--hand-mass has no effect: only a simulated hand that is a spring")));
 }
 
 struct Case {
@@ -59,6 +60,19 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
       {[](Scene& s) { s.path_file = "a.csv"; },
        standard,
        {"--seconds", "--toward", "--start", "--slide-toward", "--edges", "--depth", "--slide", "--approach"}},
+      {[](Scene& s) { s.device = "polhem-v1"; },
+       standard,
+       {"--path", "--toward", "--start", "--slide-toward", "--edges", "--depth", "--slide", "--approach"}},
+      {[](Scene& s) {
+         s.device = "polhem-v1";
+         s.spring_hand = true;
+       },
+       [](Scene& s) { s.spring_hand = true; },
+       {"--hand-mass", "--device-mass"}},
+      {standard,
+       [](Scene& s) { s.device = "polhem-v1"; },
+       {"--device-path", "--hid", "--calibrated", "--current-limit", "--place-at", "--place-turn", "--place-scale",
+        "--force-scale", "--clutch", "--edge"}},
       {[](Scene& s) { s.picture = false; }, standard, {"--width", "--height"}},
       {[](Scene& s) { s.trace = false; }, standard, {"--stopped-trace"}},
   };

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
@@ -93,6 +94,8 @@ TEST(OptionTable, ScalesAreThoseOfTheUnits) {
                                                  {"Hz", 1},
                                                  {"s", 1},
                                                  {"kg", 1},
+                                                 {"A", 1},
+                                                 {"deg", std::numbers::pi / 180},
                                                  {"density", 1},
                                                  {"density, N, N s/m", 1},
                                                  {"density/mm, -", 1e3}};
@@ -107,7 +110,7 @@ TEST(OptionTable, ScalesAreThoseOfTheUnits) {
     else
       continue;
     ASSERT_TRUE(kScales.contains(option.unit)) << option.flag << " [" << option.unit << "]";
-    EXPECT_EQ(scale, kScales.at(option.unit)) << option.flag;
+    EXPECT_DOUBLE_EQ(scale, kScales.at(option.unit)) << option.flag;
   }
 }
 
@@ -192,9 +195,11 @@ TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
 }
 
 // A flag without a value would swallow none, or one with a value the volume behind it.
-TEST(OptionTable, OneFlagAloneHasNoValue) {
-  for (const SceneOption& option : sceneOptions())
-    EXPECT_EQ(isBare(option.value), std::string_view(option.flag) == "--require-real-time") << option.flag;
+TEST(OptionTable, TwoFlagsAloneHaveNoValue) {
+  for (const SceneOption& option : sceneOptions()) {
+    const std::string_view flag = option.flag;
+    EXPECT_EQ(isBare(option.value), flag == "--require-real-time" || flag == "--calibrated") << flag;
+  }
 }
 
 // Words of the registry, so that no algorithm is missing where people look for its name.

@@ -110,6 +110,17 @@ TEST_F(Unpacking, ReadsMembersAsOneStreamAndPassesOverPadding) {
   EXPECT_EQ(unpacked(two + std::string(300'000, '\0'), Packing::kGzip), "first second");
 }
 
+// One member to the end of its file; anything else goes block by block.
+TEST_F(Unpacking, UnpacksWholeWhatIsWhole) {
+  const std::string packed = gzipped("all");
+  writeFile(path_, "head" + packed);
+  EXPECT_TRUE(Unpacker(path_, 4, Packing::kGzip).unpackWhole());
+  EXPECT_FALSE(Unpacker(path_, 4, Packing::kGzip, packed.size()).unpackWhole());
+  EXPECT_FALSE(Unpacker(path_, 4, Packing::kZlib).unpackWhole());
+  EXPECT_FALSE(Unpacker(path_, 4, Packing::kNone).unpackWhole());
+  EXPECT_FALSE(Unpacker(path_, 0, Packing::kGzip).unpackWhole());
+}
+
 TEST_F(Unpacking, RefusesWhatFollowsTheEnd) {
   const std::string packed = gzipped("all");
   refuses(packed + "more", Packing::kGzip, "bytes follow");

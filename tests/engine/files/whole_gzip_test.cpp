@@ -56,8 +56,7 @@ TEST_F(WholeGzipTest, BelievesNoToldLength) {
   const std::string packed = gzipped(std::string(1000, 'a'));
   for (const std::uint32_t told : {0U, 999U, 1001U, 1U << 24U, 0xFFFFFFFFU}) {
     std::string lying = packed;
-    for (std::size_t byte = 0; byte < 4; ++byte)
-      lying[lying.size() - 4 + byte] = static_cast<char>(told >> (8 * byte));
+    for (std::size_t byte = 0; byte < 4; ++byte) lying[lying.size() - 4 + byte] = static_cast<char>(told >> (8 * byte));
     EXPECT_FALSE(whole(lying)) << told;
   }
 }

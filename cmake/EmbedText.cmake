@@ -1,7 +1,7 @@
-# palpate_embed_text(OUT.cpp NAME FILE [NAME FILE ...]): writes a C++ file that defines `const std::string_view NAME` with
-# each file's bytes, declared in page_files.hpp. Done at configure time, again whenever a file changes.
-function(palpate_embed_text out)
-  set(code "#include \"apps/report/page_files.hpp\"\nnamespace palpate {\n")
+# palpate_embed_text(OUT.cpp HEADER NAME FILE [NAME FILE ...]): writes a C++ file that defines `const std::string_view NAME`
+# with each file's bytes, declared in the header. Done at configure time, again whenever a file changes.
+function(palpate_embed_text out header)
+  set(code "#include \"${header}\"\nnamespace palpate {\n")
   set(pairs ${ARGN})
   while(pairs)
     list(POP_FRONT pairs name file)

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/devices/choose_hid.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::string describe(const HidInfo& device) {
+  const std::string name = device.name.empty() ? "" : fmt::format(" \"{}\"", device.name);
+  return fmt::format("{}{} at {}", usbText(device.vendor, device.product), name, device.path);
+}
+
+std::string numbersOf(const DeviceKind& kind) {
+  std::vector<std::string> ids;
+  for (const UsbId& usb : kind.usb) ids.push_back(usbText(usb.vendor, usb.product));
+  return fmt::format("{}", fmt::join(ids, ", "));
+}
+
+[[noreturn]] void refuseOtherUsage(const DeviceKind& kind, const HidInfo& device) {
+  throw Error(Error::Code::kNotFound, fmt::format("device {}", kind.name),
+              fmt::format("{} has its USB numbers, but is another thing: its usage is {}, not {}", describe(device),
+                          usbText(device.usage_page, device.usage), usbText(kind.usage->first, kind.usage->second)),
+              "plug the device in; if this is it, its firmware is another one");
+}
+
+[[noreturn]] void refuseNone(const DeviceKind& kind, std::span<const HidInfo> all) {
+  std::vector<std::string> others;
+  for (const HidInfo& device : all) others.push_back(describe(device));
+  const std::string there =
+      others.empty() ? "no HID device is there at all" : fmt::format("there are only {}", fmt::join(others, "; "));
+  throw Error(Error::Code::kNotFound, fmt::format("device {}", kind.name),
+              fmt::format("none of this machine's HID devices is one ({}); {}", numbersOf(kind), there),
+              "plug it in; 'palpate doctor' tells what it finds");
+}
+
+const HidInfo& chooseAt(const DeviceKind& kind, std::span<const HidInfo> all, const std::string& path) {
+  const auto at = std::ranges::find(all, path, &HidInfo::path);
+  if (at == all.end())
+    throw Error(Error::Code::kNotFound, path, "there is no HID device", "'palpate doctor' lists them");
+  const Fit fit = fitOf(kind, *at);
+  if (fit == Fit::kYes) return *at;
+  if (fit == Fit::kOtherUsage) refuseOtherUsage(kind, *at);
+  refuse(path, fmt::format("the device there is no {}: it is {}", kind.name, describe(*at)),
+         "choose the kind that it is with --device; 'palpate devices' lists them");
+}
+
+}  // namespace
+
+// A usage of 0 was not told: libusb does not read it.
+Fit fitOf(const DeviceKind& kind, const HidInfo& device) {
+  if (kind.idOf(device.vendor, device.product) == nullptr) return Fit::kNo;
+  if (!kind.usage || device.usage_page == 0) return Fit::kYes;
+  return std::pair(device.usage_page, device.usage) == *kind.usage ? Fit::kYes : Fit::kOtherUsage;
+}
+
+const HidInfo& chooseHid(const DeviceKind& kind, std::span<const HidInfo> all, const std::string& path) {
+  if (!path.empty()) return chooseAt(kind, all, path);
+  const HidInfo* chosen = nullptr;
+  const HidInfo* other = nullptr;
+  for (const HidInfo& device : all) {
+    const Fit fit = fitOf(kind, device);
+    if (fit == Fit::kOtherUsage) other = &device;
+    if (fit != Fit::kYes) continue;
+    if (chosen != nullptr && chosen->path != device.path) {
+      refuse(fmt::format("device {}", kind.name),
+             fmt::format("there are two: {} and {}", describe(*chosen), describe(device)),
+             fmt::format("say which one, as --device-path {}", chosen->path));
+    }
+    chosen = &device;
+  }
+  if (chosen != nullptr) return *chosen;
+  if (other != nullptr) refuseOtherUsage(kind, *other);
+  refuseNone(kind, all);
+}
+
+HidChoice chooseHid(const DeviceKind& kind, const std::string& path, HidBackEnd back_end) {
+  const std::vector<HidInfo> all = listHid(back_end);
+  HidChoice choice;
+  choice.device = chooseHid(kind, all, path);
+  choice.values = kind.values;
+  for (const auto& [key, value] : kind.idOf(choice.device.vendor, choice.device.product)->values)
+    choice.values[key] = value;
+  choice.open = [kind, back_end, first = choice.device, opened = false]() mutable {
+    if (!opened) {
+      std::unique_ptr<ReportPort> port = openHid(first.path, back_end);
+      opened = true;
+      return port;
+    }
+    std::vector<HidInfo> now = listHid(back_end);
+    if (!first.serial.empty()) std::erase_if(now, [&](const HidInfo& device) { return device.serial != first.serial; });
+    return openHid(chooseHid(kind, now, "").path, back_end);
+  };
+  return choice;
+}
+
+}  // namespace palpate

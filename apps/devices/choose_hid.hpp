@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/devices/choose_hid.hpp: which HID device of this machine is meant, and how it is opened, and opened again.
+//
+// Any thread, one at a time. Errors name the device, what is wrong with it and what to do.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "apps/devices/device_table.hpp"
+#include "servo/hid/hid.hpp"
+
+namespace palpate {
+
+enum class Fit {
+  kNo,          // other USB numbers
+  kOtherUsage,  // its numbers, but it says that it is something else: the numbers are in use by other gadgets too
+  kYes,
+};
+[[nodiscard]] Fit fitOf(const DeviceKind& kind, const HidInfo& device);
+
+// The device of this kind; with a path, the one there. Throws Error: kNotFound if there is none, with what is there
+// instead; kBadInput if there are several, or if the path's is another.
+[[nodiscard]] const HidInfo& chooseHid(const DeviceKind& kind, std::span<const HidInfo> all, const std::string& path);
+
+struct HidChoice {
+  HidInfo device;
+  DeviceValues values;  // of the kind, and of these USB numbers
+  // Opens the device; again after it was unplugged, wherever it is plugged in then. It knows it by its serial number,
+  // if it has one, else by its kind.
+  PortOpener open;
+};
+[[nodiscard]] HidChoice chooseHid(const DeviceKind& kind, const std::string& path, HidBackEnd back_end);
+
+}  // namespace palpate

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/devices/parameter_rows.hpp: a device's parameters as a table of rows, for its entry in the registry. Private to
+// servo/devices.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <span>
+
+#include "servo/devices/registry.hpp"
+
+namespace palpate {
+
+// A parameter and its member of a device's `Parameters`. The usual value is the default of that member.
+template <class Parameters>
+struct ParameterRow {
+  std::string_view key, unit;
+  double lowest, highest;
+  std::string_view help;
+  double (*get)(const Parameters&);
+  void (*set)(Parameters&, double);
+};
+
+// DeviceEntry::parameters of a device with one table of rows.
+template <const auto& kRows>
+std::span<const DeviceParameter> parametersOf() {
+  static const auto kParameters = [] {
+    std::array<DeviceParameter, std::size(kRows)> all;
+    std::transform(std::begin(kRows), std::end(kRows), all.begin(), [](const auto& row) {
+      return DeviceParameter{row.key, row.unit, row.get({}), row.lowest, row.highest, row.help};
+    });
+    return all;
+  }();
+  return kParameters;
+}
+
+template <class Parameters>
+Parameters given(std::span<const ParameterRow<Parameters>> rows, const DeviceSetup& setup) {
+  Parameters parameters;
+  for (const auto& row : rows) {
+    const auto value = setup.values.find(row.key);
+    if (value != setup.values.end()) row.set(parameters, value->second);
+  }
+  return parameters;
+}
+
+// A row for a member that is a number, or a flag.
+template <class Parameters, auto kMember>
+constexpr ParameterRow<Parameters> memberRow(std::string_view key, std::string_view unit, double lowest, double highest,
+                                             std::string_view help) {
+  return {key, unit, lowest, highest, help, [](const Parameters& p) { return static_cast<double>(p.*kMember); },
+          [](Parameters& p, double v) {
+            using Value = std::remove_reference_t<decltype(p.*kMember)>;
+            p.*kMember = static_cast<Value>(v);
+          }};
+}
+
+}  // namespace palpate

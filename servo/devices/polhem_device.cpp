@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/polhem_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "base/monotonic_clock.hpp"
+#include "base/units.hpp"
+#include "servo/devices/typical_hands.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kFastest_m_per_s = 20;  // a hand's fastest punch is some 10
+constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
+constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
+constexpr int kFirstReport_ms = 1000;
+constexpr int kListen_ms = 20;
+constexpr double kMilliamperesPerAmpere = 1e3;
+
+const PolhemParameters& checked(const PolhemParameters& p) {
+  checkSetting(p.report_bytes == 14 || p.report_bytes == 64, "report size", p.report_bytes, "give 14 or 64 bytes");
+  for (const ArmJoint& joint : p.joints) {
+    checkSetting(joint.capstan_m > 0, "diameter of a capstan", joint.capstan_m, "give metres above 0");
+    checkSetting(joint.body_m > 0, "diameter of a body", joint.body_m, "give metres above 0");
+    checkSetting(joint.length_m > 0, "length of a body", joint.length_m, "give metres above 0");
+    checkSetting(joint.torque_Nm_per_A > 0, "torque constant", joint.torque_Nm_per_A, "give Nm/A above 0");
+    checkSetting(joint.counts_per_turn > 0, "counts of an encoder", joint.counts_per_turn, "give counts above 0");
+  }
+  checkSetting(p.current_limit_A >= 0, "current limit", p.current_limit_A, "give amperes above 0, or 0: not known");
+  checkSetting(p.force_limit_N >= 0, "force limit", p.force_limit_N, "give 0 N or more");
+  checkSetting(p.slew_limit_N_per_s >= 0, "slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
+  for (const int home : p.home_counts) {
+    checkSetting(std::abs(home) <= std::numeric_limits<std::int16_t>::max(), "home position", home,
+                 "give counts of 16 bits");
+  }
+  return p;
+}
+
+PolhemCounts homeOf(const PolhemParameters& p) {
+  PolhemCounts home{};
+  std::transform(p.home_counts.begin(), p.home_counts.end(), home.begin(),
+                 [](int count) { return static_cast<std::int16_t>(count); });
+  return home;
+}
+
+LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use) {
+  const auto bytes = static_cast<std::size_t>(p.report_bytes);
+  return {.rest = polhemReport({}, bytes),
+          .on_request = polhemReport({.count_from = homeOf(p)}, bytes),
+          .thread_begins = use.thread_begins};
+}
+
+// The arm's x points to the user, its y to the right, its z up.
+Vec3 fromArm(const Vec3& v_A) noexcept {
+  return {v_A.y(), v_A.z(), v_A.x()};
+}
+Vec3 toArm(const Vec3& v_D) noexcept {
+  return {v_D.z(), v_D.x(), v_D.y()};
+}
+
+std::uint64_t valueOf(const std::atomic<std::uint64_t>& counter) {
+  return counter.load(std::memory_order_relaxed);
+}
+
+void countOne(std::atomic<std::uint64_t>& counter) noexcept {
+  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& use, PortOpener open)
+    : parameters_(checked(parameters)),
+      use_(use),
+      arm_(parameters.joints, parameters.origin_m),
+      link_(std::move(open), linkSettings(parameters, use)),
+      calibrated_(use.calibrated) {
+  link_.listen(kListen_ms);
+  if (!use_.simulated_clock) link_.start();
+  const std::int64_t end_ns = monotonicNow_ns() + std::llround(kFirstReport_ms * kNanosecondsPerMillisecond);
+  while (received_ns_ == 0 && monotonicNow_ns() < end_ns) {
+    take(link_.newest());
+    if (received_ns_ != 0) break;
+    if (use_.simulated_clock)
+      link_.exchange();
+    else
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (received_ns_ != 0) return;
+  const bool answered = link_.figures().received > 0;
+  throw Error(Error::Code::kDevice, "device Polhem",
+              answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
+                       : "it answers no report",
+              answered ? "choose the variant that its firmware is (palpate devices)"
+                       : "switch it on, and unplug other programs that use it");
+}
+
+DeviceLimits PolhemDevice::limits() const noexcept {
+  const Vec3 middle = arm_.anglesAt(Vec3::Zero()).value_or(angles_);
+  return {.force_limit_N = parameters_.force_limit_N,
+          .position_resolution_m = arm_.resolution_m(middle),
+          .force_delay_ticks = use_.simulated_clock ? 0 : 1,
+          .slew_limit_N_per_s = parameters_.slew_limit_N_per_s,
+          .follows_force = true,
+          .stiffness_limit_N_per_m = parameters_.stiffness_limit_N_per_m,
+          .workspace_radius_m = parameters_.workspace_radius_m};
+}
+
+std::vector<HandParameters> PolhemDevice::hands() const {
+  HandParameters device;
+  device.device_mass_kg = parameters_.mass_kg;
+  device.device_damping_Ns_per_m = parameters_.damping_Ns_per_m;
+  std::vector<HandParameters> hands;
+  for (const TypicalHand& hand : kTypicalHands) hands.push_back(hand.holding(device));
+  return hands;
+}
+
+ForceOff PolhemDevice::forceOff() const noexcept {
+  if (!link_.connected()) return ForceOff::kDisconnected;
+  if (!(parameters_.force_limit_N > 0)) return ForceOff::kLimitZero;
+  if (!(parameters_.current_limit_A > 0)) return ForceOff::kNoCurrentLimit;
+  return calibrated_.load(std::memory_order_relaxed) ? ForceOff::kNone : ForceOff::kUncalibrated;
+}
+
+std::vector<DeviceFigure> PolhemDevice::figures() const {
+  const LinkFigures f = link_.figures();
+  const auto value = [](std::uint64_t count) { return static_cast<double>(count); };
+  return {{"reports_written", value(f.written)},
+          {"reports_received", value(f.received)},
+          {"reports_lost", value(f.lost)},
+          {"reports_superseded", value(f.superseded)},
+          {"reports_garbled", value(valueOf(garbage_))},
+          {"reports_implausible", value(valueOf(implausible_))},
+          {"writes_refused", value(f.refused)},
+          {"commands_too_old", value(f.rests)},
+          {"disconnects", value(f.disconnects)},
+          {"reconnects", value(f.reconnects)},
+          {"calibrations", value(valueOf(calibrations_))},
+          {"write_p50_us", f.write_p50_us},
+          {"write_p99_us", f.write_p99_us},
+          {"write_max_us", f.write_max_us}};
+}
+
+void PolhemDevice::elapse(int ticks) noexcept {
+  if (!use_.simulated_clock) return;
+  for (int i = 0; i < ticks; ++i) {
+    link_.exchange();
+    ++silent_ticks_;
+    take(link_.newest());
+  }
+}
+
+bool PolhemDevice::isHome(const PolhemCounts& raw) const noexcept {
+  const PolhemCounts home = homeOf(parameters_);
+  constexpr int kSlack = 200;  // what the handle may move before the answer comes [count]
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (std::abs(static_cast<std::int16_t>(raw[k] - home[k])) > kSlack) return false;
+  }
+  return true;
+}
+
+void PolhemDevice::countFrom(const PolhemCounts& raw) noexcept {
+  for (std::size_t k = 0; k < 3; ++k) counts_[k] = raw[k];
+  raw_ = raw;
+  leaps_ = 0;
+}
+
+// Counts have 16 bits: an encoder that turns on beyond them begins anew at the other end.
+void PolhemDevice::countOn(const PolhemCounts& raw) noexcept {
+  for (std::size_t k = 0; k < 3; ++k)
+    counts_[k] += static_cast<std::int16_t>(static_cast<std::uint16_t>(raw[k]) - static_cast<std::uint16_t>(raw_[k]));
+  raw_ = raw;
+  leaps_ = 0;
+}
+
+void PolhemDevice::take(const Received& received) noexcept {
+  if (received.number == seen_) return;
+  seen_ = received.number;
+  const auto state = parsePolhem(received.report.content(), static_cast<std::size_t>(parameters_.report_bytes));
+  if (!state) return countOne(garbage_);
+  if (state->asks_for_calibration && (!calibrating_ || ++asked_reports_ > kAskAgain)) calibrate();
+  if (calibrating_ && !state->asks_for_calibration && isHome(state->counts)) {
+    calibrating_ = false;
+    calibrated_.store(true, std::memory_order_relaxed);
+    countOne(calibrations_);
+    countFrom(state->counts);
+  } else if (connection_ != received.connection) {
+    if (connection_ != 0) calibrated_.store(false, std::memory_order_relaxed);
+    countFrom(state->counts);
+  } else {
+    const ArmCounts before = counts_;
+    const PolhemCounts raw_before = raw_;
+    const int leaps = leaps_;
+    countOn(state->counts);
+    const double way_m = (arm_.position(arm_.angles(counts_)) - position_A_).norm();
+    const double time_s = use_.simulated_clock ? silent_ticks_ / use_.rate_hz
+                                               : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
+    if (!(way_m <= kFastest_m_per_s * std::max(time_s, 1 / use_.rate_hz))) {
+      countOne(implausible_);
+      if (leaps + 1 < kMostLeaps) {
+        counts_ = before;
+        raw_ = raw_before;
+        leaps_ = leaps + 1;
+        return;
+      }
+      calibrated_.store(false, std::memory_order_relaxed);
+      countFrom(state->counts);
+    }
+  }
+  connection_ = received.connection;
+  received_ns_ = received.time_ns;
+  silent_ticks_ = 0;
+  angles_ = arm_.angles(counts_);
+  position_A_ = arm_.position(angles_);
+}
+
+bool PolhemDevice::read(Vec3& position_D) noexcept {
+  if (!use_.simulated_clock) take(link_.newest());
+  if (!link_.connected()) return false;
+  position_D = fromArm(position_A_);
+  return true;
+}
+
+std::int64_t PolhemDevice::reportAge_ns() const noexcept {
+  if (!use_.simulated_clock) return monotonicNow_ns() - received_ns_;
+  return static_cast<std::int64_t>(silent_ticks_ * kNanosecondsPerSecond / use_.rate_hz);
+}
+
+// `share`: what of the force is left within the current limit. All currents are cut alike, so that the force keeps its
+// direction.
+Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcept {
+  share = 0;
+  if (forceOff() != ForceOff::kNone || !force_D.allFinite()) return Vec3::Zero();
+  const Vec3 currents_A = arm_.currents(toArm(force_D), angles_);
+  const double largest_A = currents_A.cwiseAbs().maxCoeff();
+  share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
+  const double size_N = force_D.stableNorm();
+  if (size_N * share > parameters_.force_limit_N) share = parameters_.force_limit_N / size_N;
+  return share * currents_A;
+}
+
+// A device that is not there exerts no force, so it takes any as none, and a contact begins from none when it is back.
+bool PolhemDevice::write(const Vec3& force_D) noexcept {
+  if (!force_D.allFinite()) return false;
+  if (!link_.connected()) return true;
+  double share = 0;
+  const Vec3 currents_A = currentsFor(force_D, share);
+  PolhemCommand command;
+  constexpr double kMost = std::numeric_limits<std::int16_t>::max();
+  for (int k = 0; k < 3; ++k) {
+    command.currents_mA[static_cast<std::size_t>(k)] =
+        static_cast<std::int16_t>(std::lround(std::clamp(kMilliamperesPerAmpere * currents_A[k], -kMost, kMost)));
+  }
+  link_.post(polhemReport(command, static_cast<std::size_t>(parameters_.report_bytes)), monotonicNow_ns());
+  return true;
+}
+
+Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
+  double share = 0;
+  static_cast<void>(currentsFor(force_D, share));
+  return share * force_D;
+}
+
+void PolhemDevice::calibrate() noexcept {
+  calibrating_ = true;
+  asked_reports_ = 0;
+  calibrated_.store(false, std::memory_order_relaxed);
+  link_.askOnce();
+}
+
+}  // namespace palpate

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/devices/polhem_device.hpp: WoodenHaptics and Polhem over reports: positions from encoders, forces as currents.
+//
+// Encoders count from where the device was when it was switched on. So the handle must be put into its home position
+// once, and the device be told to count from there: by its button, or by `palpate calibrate`. Until then, and after the
+// device came back from being unplugged, it exerts no force. The firmware keeps no currents when no report has come for
+// 0.5 s: that protects the hand from a program that died, and from a cable that is pulled while the arm has power of its
+// own. The servo takes a device that is not there as one that holds no force.
+//   Two firmwares with the same USB numbers drive amplifiers of 3 A and 6 A; a current above the amplifier's saturates
+// it. So forces stay off until the limit is given.
+//   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
+// counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
+// Frame D, the device's: x to the right, y up, z towards the user, 0 in the middle of the workspace [m, N].
+// placed_device.hpp puts it into the world. Threads as in
+// device.hpp. By the simulated clock elapse() exchanges reports itself and so waits for the device.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "servo/devices/arm_kinematics.hpp"
+#include "servo/devices/device.hpp"
+#include "servo/devices/polhem_report.hpp"
+#include "servo/devices/report_link.hpp"
+
+namespace palpate {
+
+// Polhem v1's (arm_kinematics.hpp names the source); mass and friction at the handle are guesses, as nobody has
+// published a measurement.
+struct PolhemParameters {
+  int report_bytes = 14;  // 64 on Teensy boards
+  std::array<ArmJoint, 3> joints = {ArmJoint{0.010, 0.180, 0.058, 0.0538, 2000, true},
+                                    ArmJoint{0.010, 0.100, 0.174, 0.0538, 2000, true},
+                                    ArmJoint{0.010, 0.100, 0.133, 0.0538, 2000, true}};
+  Vec3 origin_m = {0.14, 0, 0.1};
+  std::array<int, 3> home_counts = {0, 0, -5000};  // what encoders a to c count in the home position
+  double current_limit_A = 0;                      // of the firmware; 0: not given, and forces stay off
+  double force_limit_N = 5;
+  double slew_limit_N_per_s = 0;  // 0: not stated
+  double stiffness_limit_N_per_m = 800;
+  double workspace_radius_m = 0.1;
+  double mass_kg = 0.15, damping_Ns_per_m = 0.5;
+};
+
+struct PolhemUse {
+  bool simulated_clock = false;
+  double rate_hz = 1000;    // of the servo [Hz]
+  bool calibrated = false;  // since it was switched on
+  std::function<void()> thread_begins = {};
+};
+
+class PolhemDevice final : public Device {
+ public:
+  // Waits for the first report. Throws Error: as `open` does; kDevice if no report comes, or none that is a Polhem's.
+  PolhemDevice(const PolhemParameters& parameters, const PolhemUse& use, PortOpener open);
+
+  [[nodiscard]] std::string_view name() const noexcept override { return "Polhem"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override;
+  [[nodiscard]] std::vector<HandParameters> hands() const override;
+  [[nodiscard]] ForceOff forceOff() const noexcept override;
+  [[nodiscard]] std::vector<DeviceFigure> figures() const override;
+  void elapse(int ticks) noexcept override;
+  [[nodiscard]] bool read(Vec3& position_D) noexcept override;
+  [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
+  [[nodiscard]] bool write(const Vec3& force_D) noexcept override;
+  [[nodiscard]] Vec3 held(const Vec3& force_D) const noexcept override;
+
+  // The handle is in its home position: the device is told to count from there. Servo thread, or before the loop.
+  void calibrate() noexcept;
+  [[nodiscard]] const ArmCounts& counts() const noexcept { return counts_; }
+
+ private:
+  void take(const Received& received) noexcept;
+  void countFrom(const PolhemCounts& raw) noexcept;
+  void countOn(const PolhemCounts& raw) noexcept;
+  [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
+  [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
+
+  PolhemParameters parameters_;
+  PolhemUse use_;
+  ArmKinematics arm_;
+  ReportLink link_;
+  std::uint64_t seen_ = 0, connection_ = 0;
+  std::int64_t received_ns_ = 0;  // when the last report that counted came
+  int silent_ticks_ = 0;          // simulated clock: since then
+  PolhemCounts raw_{};
+  ArmCounts counts_{};
+  Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
+  int leaps_ = 0;            // in a row
+  int asked_reports_ = 0;    // since the device was told to count from home
+  bool calibrating_ = false;
+  std::atomic<bool> calibrated_;
+  std::atomic<std::uint64_t> garbage_{0}, implausible_{0}, calibrations_{0};
+};
+
+}  // namespace palpate

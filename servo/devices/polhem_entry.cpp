@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/entries.hpp"
+#include "servo/devices/parameter_rows.hpp"
+#include "servo/devices/polhem_device.hpp"
+
+namespace palpate {
+namespace {
+
+using P = PolhemParameters;
+
+template <std::size_t kJoint, auto kMember>
+constexpr ParameterRow<P> joint(std::string_view key, std::string_view unit, double lowest, double highest,
+                                std::string_view help) {
+  return {key, unit, lowest, highest, help, [](const P& p) { return static_cast<double>(p.joints[kJoint].*kMember); },
+          [](P& p, double v) {
+            using Value = std::remove_reference_t<decltype(p.joints[kJoint].*kMember)>;
+            p.joints[kJoint].*kMember = static_cast<Value>(v);
+          }};
+}
+
+template <std::size_t kJoint>
+constexpr ParameterRow<P> home(std::string_view key, std::string_view unit, double lowest, double highest,
+                               std::string_view help) {
+  return {key, unit, lowest, highest, help, [](const P& p) { return static_cast<double>(p.home_counts[kJoint]); },
+          [](P& p, double v) { p.home_counts[kJoint] = static_cast<int>(v); }};
+}
+
+template <int kAxis>
+constexpr ParameterRow<P> origin(std::string_view key, std::string_view unit, double lowest, double highest,
+                                 std::string_view help) {
+  return {key, unit, lowest, highest, help, [](const P& p) { return p.origin_m[kAxis]; },
+          [](P& p, double v) { p.origin_m[kAxis] = v; }};
+}
+
+// clang-format off
+constexpr ParameterRow<P> kPolhemRows[] = {
+    memberRow<P, &P::report_bytes>("report_bytes", "bytes", 14, 64, "size of its reports: 14, or 64 on Teensy boards"),
+    memberRow<P, &P::current_limit_A>("current_limit_A", "A", 0, 20, "what its firmware's amplifiers bear; 0: not known, and forces stay off"),
+    memberRow<P, &P::force_limit_N>("force_limit_N", "N", 0, 1000, "largest force at the handle"),
+    memberRow<P, &P::slew_limit_N_per_s>("slew_limit_N_per_s", "N/s", 0, 1e9, "fastest change of force, 0: not stated"),
+    memberRow<P, &P::stiffness_limit_N_per_m>("stiffness_limit_N_per_m", "N/m", 0, 1e6, "stiffest wall that its maker states, 0: not stated"),
+    memberRow<P, &P::workspace_radius_m>("workspace_radius_m", "m", 1e-3, 10, "radius of its workspace"),
+    memberRow<P, &P::mass_kg>("mass_kg", "kg", 1e-4, 100, "mass at the handle"),
+    memberRow<P, &P::damping_Ns_per_m>("damping_Ns_per_m", "N s/m", 0, 1e4, "viscous friction at the handle"),
+    joint<0, &ArmJoint::capstan_m>("capstan_a_m", "m", 1e-4, 1, "diameter of capstan a"),
+    joint<0, &ArmJoint::body_m>("body_a_m", "m", 1e-3, 1, "diameter of the sector that capstan a drives"),
+    joint<0, &ArmJoint::length_m>("length_a_m", "m", 1e-3, 10, "height of the axes of b and c over the foot"),
+    joint<0, &ArmJoint::torque_Nm_per_A>("torque_a_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor a"),
+    joint<0, &ArmJoint::counts_per_turn>("counts_a", "counts", 1, 1e6, "counts of encoder a for a turn of its motor"),
+    joint<0, &ArmJoint::aligned>("aligned_a", "", 0, 1, "1: motor a points along its body's axis; 0: against it"),
+    home<0>("home_a", "counts", -32767, 32767, "what encoder a counts in the home position"),
+    origin<0>("origin_x_m", "m", -10, 10, "middle of the workspace from the foot, to the user"),
+    joint<1, &ArmJoint::capstan_m>("capstan_b_m", "m", 1e-4, 1, "diameter of capstan b"),
+    joint<1, &ArmJoint::body_m>("body_b_m", "m", 1e-3, 1, "diameter of the sector that capstan b drives"),
+    joint<1, &ArmJoint::length_m>("length_b_m", "m", 1e-3, 10, "length of link b"),
+    joint<1, &ArmJoint::torque_Nm_per_A>("torque_b_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor b"),
+    joint<1, &ArmJoint::counts_per_turn>("counts_b", "counts", 1, 1e6, "counts of encoder b for a turn of its motor"),
+    joint<1, &ArmJoint::aligned>("aligned_b", "", 0, 1, "1: motor b points along its body's axis; 0: against it"),
+    home<1>("home_b", "counts", -32767, 32767, "what encoder b counts in the home position"),
+    origin<1>("origin_y_m", "m", -10, 10, "middle of the workspace from the foot, to the right"),
+    joint<2, &ArmJoint::capstan_m>("capstan_c_m", "m", 1e-4, 1, "diameter of capstan c"),
+    joint<2, &ArmJoint::body_m>("body_c_m", "m", 1e-3, 1, "diameter of the sector that capstan c drives"),
+    joint<2, &ArmJoint::length_m>("length_c_m", "m", 1e-3, 10, "length of link c"),
+    joint<2, &ArmJoint::torque_Nm_per_A>("torque_c_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor c"),
+    joint<2, &ArmJoint::counts_per_turn>("counts_c", "counts", 1, 1e6, "counts of encoder c for a turn of its motor"),
+    joint<2, &ArmJoint::aligned>("aligned_c", "", 0, 1, "1: motor c points along its body's axis; 0: against it"),
+    home<2>("home_c", "counts", -32767, 32767, "what encoder c counts in the home position"),
+    origin<2>("origin_z_m", "m", -10, 10, "middle of the workspace from the foot, up"),
+};
+// clang-format on
+
+std::unique_ptr<Device> makePolhem(const DeviceSetup& setup) {
+  const PolhemUse use{.simulated_clock = setup.simulated_clock,
+                      .rate_hz = setup.rate_hz,
+                      .calibrated = setup.calibrated,
+                      .thread_begins = setup.thread_begins};
+  return std::make_unique<PolhemDevice>(given<P>(kPolhemRows, setup), use, setup.open);
+}
+
+}  // namespace
+
+DeviceEntry polhemEntry() {
+  return {.name = "polhem-family",
+          .description = "WoodenHaptics and Polhem over HID: force in three directions",
+          .needs_port = true,
+          .parameters = parametersOf<kPolhemRows>,
+          .make = makePolhem};
+}
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The built program on a machine with emulated HID devices (emulate_hid.cpp).
+#pragma once
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "program_test.hpp"
+#include "tests/support/scans.hpp"
+#include "trace.hpp"
+
+namespace palpate {
+
+class EmulatedHid : public ProgramTest {
+ protected:
+  using Json = nlohmann::json;
+
+  [[nodiscard]] Outcome emulate(const Words& machine, const Words& program,
+                                const std::vector<std::pair<std::string, std::string>>& environment = {}) const {
+    Command command{.arguments = machine + Words{"--"} + program, .program = PALPATE_EMULATE_HID, .folder = folder()};
+    command.environment = {{"XDG_RUNTIME_DIR", folder().string()}, {"XDG_CONFIG_HOME", folder().string()}};
+    command.environment.insert(command.environment.end(), environment.begin(), environment.end());
+    return runPalpate(command);
+  }
+  [[nodiscard]] Outcome on(const Words& machine, const Words& arguments) const {
+    return emulate(machine, Words{PALPATE_PROGRAM} + arguments);
+  }
+  [[nodiscard]] Json summary(const std::string& out = "out") const {
+    return Json::parse(contentsOf(file(out) / "summary.json"));
+  }
+  [[nodiscard]] double figure(const std::string& key, const std::string& out = "out") const {
+    return summary(out)["device"]["figures"][key];
+  }
+
+  // A way along the surface, tick by tick, as a rigid hand goes it.
+  void writeWay(const std::string& volume, double seconds, double depth_mm) const {
+    const Words touch = {"touch",     volume,    "--clock", "simulated", "--picture", "off", "--seconds",
+                         fmt::format("{}", seconds), "--depth", fmt::format("{}", depth_mm), "--out", "rigid"};
+    ASSERT_EQ(run(touch).status, 0);
+    std::string csv = "time_s,x_m,y_m,z_m\n";
+    for (const TraceRow& row : readTrace(file("rigid") / "trace.csv").rows) {
+      const Vec3 hip = row.hip_W();
+      csv += fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}\n", row.time_s(), hip.x(), hip.y(), hip.z());
+    }
+    write("way.csv", csv);
+  }
+};
+
+}  // namespace palpate

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Trouble on the way between an emulated Polhem and the program: lost, garbled, short, double and late answers, a cable
+// that is pulled and plugged in again, a device that never answers.
+#include "emulated_program.hpp"
+
+namespace palpate {
+namespace hid_faults_test {
+
+using testing::HasSubstr;
+
+struct Account {
+  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0;
+};
+
+class HidFaults : public EmulatedHid {
+ protected:
+  [[nodiscard]] Account account(const std::string& name = "log") const {
+    std::istringstream in(contentsOf(file(name)));
+    Account a;
+    std::string word;
+    in >> word >> word >> a.reports >> word >> a.force_max_N >> word >> a.force_rise_max_N >> word >> a.faults;
+    return a;
+  }
+  static Words pressing(const std::string& seconds) {
+    return {"touch",  "phantom:sphere?size=64", "--device", "polhem-v1",   "--place-at",      "0,0,0", "--place-scale", "1",
+            "--calibrated", "--current-limit", "3",        "--stiffness", "400",             "--clock", "simulated",   "--picture",
+            "off",    "--seconds",              seconds};
+  }
+};
+
+// The force never rises by more than the slew limit of 4000 N/s allows in a tick, and what the motors can round.
+TEST_F(HidFaults, KeepTheForceSafe) {
+  writeWay("phantom:sphere?size=64", 4, 2);
+  const Outcome outcome =
+      on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.05", "--log", "log"}, pressing("4"));
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Account a = account();
+  EXPECT_GT(a.faults, 100);
+  EXPECT_LE(a.force_max_N, 5.02);
+  EXPECT_LE(a.force_rise_max_N, 4.02);
+  const double counted = figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible") +
+                         figure("reports_superseded");
+  EXPECT_GT(counted, 0.5 * a.faults);
+}
+
+TEST_F(HidFaults, AreToldWhenTheCableIsPulled) {
+  writeWay("phantom:sphere?size=64", 2, 2);
+  const Outcome outcome =
+      on({"--path", "way.csv", "--at", "0,0,0", "--unplug-after", "1000", "--log", "log"}, pressing("2"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(summary()["device"]["force_off"], "disconnected");
+  EXPECT_EQ(figure("disconnects"), 1);
+  EXPECT_THAT(summary()["faults"].dump(), HasSubstr("device-error"));
+  const Trace trace = readTrace(file("out") / "trace.csv");
+  EXPECT_GT(trace.rows[900].force_N().norm(), 0.1);
+  for (std::size_t i = 1200; i < trace.rows.size(); ++i) EXPECT_EQ(trace.rows[i].force_N().norm(), 0) << i;
+}
+
+TEST_F(HidFaults, ADeviceThatNeverAnswersIsRefused) {
+  expectRefusal(on({"--devices", "gadget"}, {"touch", "phantom:sphere?size=16", "--device", "polhem-v1"}),
+                "device polhem-v1", "another thing", 3);
+}
+
+}  // namespace hid_faults_test
+}  // namespace palpate

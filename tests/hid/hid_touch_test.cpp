@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate touch` with an emulated Polhem through hidapi, in lockstep: what is felt is what the simulated device feels.
+#include "emulated_program.hpp"
+
+namespace palpate {
+namespace hid_touch_test {
+
+using testing::HasSubstr;
+
+// Of Polhem v1 in the middle of its workspace (arm_kinematics.hpp): one count of its encoders at most.
+constexpr double kResolution_m = 6.1e-5;
+
+struct Difference {
+  double position_m = 0, force_N = 0, largest_N = 0;
+  std::size_t ticks = 0, contact_ticks = 0;
+};
+
+class HidTouch : public EmulatedHid {
+ protected:
+  // The same way, with the simulated device and with the emulated Polhem.
+  Difference compare(const std::string& volume, const Vec3& at_mm, const Words& more) const {
+    const Words common = Words{"--clock", "simulated", "--picture", "off", "--force-limit", "5"} + more;
+    const std::string at = fmt::format("{},{},{}", at_mm.x(), at_mm.y(), at_mm.z());
+    const std::string at_m = fmt::format("{},{},{}", 1e-3 * at_mm.x(), 1e-3 * at_mm.y(), 1e-3 * at_mm.z());
+    const Outcome simulated =
+        run(Words{"touch", volume, "--path", "way.csv", "--hand", "spring", "--out", "simulated"} + common);
+    EXPECT_EQ(simulated.status, 0) << simulated.err;
+    const Trace exact = readTrace(file("simulated") / "trace.csv");
+    const Outcome real = on({"--path", "way.csv", "--at", at_m},
+                            Words{"touch", volume, "--device", "polhem-v1", "--place-at", at, "--place-scale", "1",
+                                  "--calibrated", "--current-limit", "3", "--edge", "0", "--seconds",
+                                  fmt::format("{:.3f}", 1e-3 * static_cast<double>(exact.rows.size()))} +
+                                common);
+    EXPECT_EQ(real.status, 0) << real.err;
+    const Trace felt = readTrace(file("out") / "trace.csv");
+    EXPECT_EQ(exact.rows.size(), felt.rows.size());
+    Difference d{.ticks = std::min(exact.rows.size(), felt.rows.size())};
+    for (std::size_t i = 0; i < d.ticks; ++i) {
+      d.position_m = std::max(d.position_m, (exact.rows[i].hip_W() - felt.rows[i].hip_W()).norm());
+      d.force_N = std::max(d.force_N, (exact.rows[i].force_N() - felt.rows[i].force_N()).norm());
+      d.largest_N = std::max(d.largest_N, felt.rows[i].force_N().norm());
+      d.contact_ticks += felt.rows[i].inContact() ? 1 : 0;
+    }
+    return d;
+  }
+};
+
+// Positions differ by the rounding of three encoders, half a count each, which the closed loop may double. So forces
+// differ by K times that, and by the damping of a velocity that is off by a count in the filter's time, 1 / (2 pi 200).
+TEST_F(HidTouch, FeelsASphereAsTheSimulatedDeviceDoes) {
+  constexpr double kStiffness = 400, kDamping = 0.5;
+  writeWay("phantom:sphere?size=64", 2, 2);
+  const Difference d = compare("phantom:sphere?size=64", Vec3::Zero(), {"--stiffness", "400"});
+  EXPECT_GE(d.ticks, 1999U);  // the way's rows are as many as its last time has ticks
+  EXPECT_GT(d.contact_ticks, 1000U);
+  EXPECT_GT(d.largest_N, 0.3);
+  EXPECT_LE(d.position_m, kResolution_m);
+  EXPECT_LE(d.force_N, kStiffness * kResolution_m + kDamping * 2 * std::acos(-1.0) * 200 * kResolution_m);
+  EXPECT_GT(d.position_m, 0.01 * kResolution_m);  // the encoders do round
+  EXPECT_EQ(figure("reports_written"), static_cast<double>(d.ticks - 1));
+  for (const char* none : {"reports_lost", "reports_garbled", "reports_implausible", "writes_refused", "disconnects"})
+    EXPECT_EQ(figure(none), 0) << none;
+  EXPECT_EQ(summary()["device"]["force_off"], "none");
+  EXPECT_THAT(summary()["libraries"].dump(), HasSubstr("libhidapi-hidraw"));
+}
+
+// The surface gives way under the tool, so that a difference would grow: over the whole run it stays a few counts.
+TEST_F(HidTouch, DrillsAScanAsTheSimulatedDeviceDoes) {
+  const auto scans = realScans();
+  const auto head = std::ranges::find_if(scans, [](const auto& p) { return p.filename() == "ct_head_headsq.nrrd"; });
+  if (head == scans.end()) GTEST_SKIP() << "no scans: PALPATE_DATA names their folder";
+  writeWay(head->string(), 1, 1);
+  const Vec3 start_mm = 1e3 * readTrace(file("rigid") / "trace.csv").rows.front().hip_W();
+  const Difference d = compare(head->string(), start_mm,
+                               {"--stiffness", "400", "--edit", "remove:radius=2mm:rate=20"});
+  EXPECT_GT(d.contact_ticks, 200U);
+  EXPECT_LE(d.position_m, 2 * kResolution_m);
+  EXPECT_GT(summary()["edits"]["count"].get<int>(), 10);
+}
+
+TEST_F(HidTouch, IsTheSameBitForBit) {
+  const Words touch = {"touch", "phantom:sphere?size=32", "--device", "polhem-v1", "--place-scale", "1", "--calibrated",
+                       "--current-limit", "3", "--seconds", "0.5", "--clock", "simulated", "--picture", "off"};
+  EXPECT_EQ(on({}, touch + Words{"--out", "one"}).status, 0);
+  EXPECT_EQ(on({}, touch + Words{"--out", "two"}).status, 0);
+  EXPECT_EQ(contentsOf(file("one") / "trace.csv"), contentsOf(file("two") / "trace.csv"));
+}
+
+// In real time the link's thread keeps the reports flowing; nothing here depends on how fast.
+TEST_F(HidTouch, TouchesInRealTime) {
+  const Outcome outcome = on({}, {"touch", "phantom:sphere?size=32", "--device", "polhem-v1", "--calibrated", "--current-limit", "3",
+                                  "--seconds", "0.5", "--picture", "off"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_GT(figure("reports_received"), 10);
+  EXPECT_GE(figure("reports_written"), figure("reports_received") - 1);
+  EXPECT_THAT(summary()["work"]["threads"].dump(), HasSubstr("\"device\""));
+  EXPECT_GT(figure("write_max_us"), 0);
+}
+
+// ---- why there is no force ----
+
+TEST_F(HidTouch, SaysWhyThereIsNoDevice) {
+  const Words touch = {"touch", "phantom:sphere?size=16", "--device", "polhem-v1", "--clock", "simulated"};
+  expectRefusal(on({"--devices", "none"}, touch), "device polhem-v1", "no HID device is there at all", 3);
+  expectRefusal(on({"--devices", "keyboard"}, touch), "device polhem-v1", "there are only 046d:c31c", 3);
+  expectRefusal(on({"--devices", "gadget"}, touch), "device polhem-v1", "is another thing: its usage is ff00:0001", 3);
+  expectRefusal(on({"--devices", "polhem,teensy"}, touch), "device polhem-v1", "there are two", 2);
+  expectRefusal(on({"--devices", "keyboard"}, touch + Words{"--device-path", "/dev/hidraw0"}), "/dev/hidraw0",
+                "the device there is no polhem-v1", 2);
+  EXPECT_EQ(on({"--devices", "polhem,teensy"}, touch + Words{"--device-path", "/dev/hidraw1", "--seconds", "0.1"}).status,
+            0);
+}
+
+TEST_F(HidTouch, SaysWhyTheForcesAreOff) {
+  const Words touch = {"touch",   "phantom:sphere?size=16", "--device", "polhem-v1", "--clock",
+                       "simulated", "--seconds", "0.1", "--picture", "off"};
+  const Outcome no_limit = on({}, touch + Words{"--calibrated"});
+  EXPECT_EQ(no_limit.status, 0);
+  EXPECT_THAT(no_limit.err, HasSubstr("forces are off because nobody said what current"));
+  EXPECT_EQ(summary()["device"]["force_off"], "no-current-limit");
+  const Outcome uncalibrated = on({"--uncalibrated"}, touch + Words{"--current-limit", "3"});
+  EXPECT_THAT(uncalibrated.err, HasSubstr("forces are off because the device does not know where its handle is"));
+  EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
+  const Outcome asked = on({"--asks"}, touch + Words{"--current-limit", "3"});
+  EXPECT_EQ(asked.status, 0);
+  EXPECT_EQ(figure("calibrations"), 1);
+}
+
+}  // namespace hid_touch_test
+}  // namespace palpate

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// tests/servo/support/emulated_polhem.hpp: the other end of a Polhem's cable: firmware, motors, arm, encoders and hand.
+//
+// Written from the firmware's behaviour (polhem_report.hpp names the source), not from the host's code: it sends a
+// report when it is switched on, then one for each that it gets; a command to count from elsewhere exerts no force; the
+// amplifiers are cut off when no report came for 0.5 s. Each report moves time on by one tick: arm and hand are those
+// of HandDynamics, led along a path. Frame D, the device's [m, N].
+#pragma once
+
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <vector>
+
+#include "servo/devices/arm_kinematics.hpp"
+#include "servo/devices/hand_dynamics.hpp"
+#include "servo/devices/path.hpp"
+#include "servo/devices/polhem_device.hpp"
+#include "servo/devices/polhem_report.hpp"
+
+namespace palpate {
+
+class EmulatedPolhem {
+ public:
+  static constexpr double kWatchdog_s = 0.5;
+
+  // Switched on in its home position's counts if `calibrated`; else it counts from 0 where it is.
+  EmulatedPolhem(const PolhemParameters& parameters, const HandParameters& hand, const Path& path, double tick_s,
+                 bool calibrated = true)
+      : parameters_(parameters),
+        arm_(parameters.joints, parameters.origin_m),
+        dynamics_(hand, tick_s),
+        path_(path),
+        tick_s_(tick_s) {
+    state_.position_W = path.position(0);
+    if (!calibrated) restart();
+  }
+
+  // As after the power was away: the encoders count from 0 where they are.
+  void restart() {
+    const ArmCounts now = trueCounts();
+    for (std::size_t k = 0; k < 3; ++k) offset_[k] = -now[k];
+    currents_A_.setZero();
+  }
+  void pressCalibration() { asks_ = true; }
+  void press(bool pressed) { pressed_ = pressed; }
+
+  [[nodiscard]] Report state() const {
+    PolhemState state;
+    const ArmCounts now = trueCounts();
+    for (std::size_t k = 0; k < 3; ++k) state.counts[k] = static_cast<std::int16_t>(now[k] + offset_[k]);
+    state.asks_for_calibration = asks_;
+    state.pressed = pressed_;
+    return polhemStateReport(state, static_cast<std::size_t>(parameters_.report_bytes));
+  }
+
+  // A report as it arrives, with its number in front; the answer. Moves time on by one tick.
+  Report answer(const Report& report) {
+    silent_s_ = 0;
+    const auto command = parsePolhemCommand(report.content().subspan(1), static_cast<std::size_t>(parameters_.report_bytes));
+    if (command && command->count_from) {
+      const ArmCounts now = trueCounts();
+      for (std::size_t k = 0; k < 3; ++k) offset_[k] = (*command->count_from)[k] - now[k];
+      asks_ = false;
+      currents_A_.setZero();
+    } else if (command) {
+      for (int k = 0; k < 3; ++k) currents_A_[k] = 1e-3 * command->currents_mA[static_cast<std::size_t>(k)];
+    }
+    passTick();
+    return state();
+  }
+
+  // Time goes on without a report.
+  void passSilence(double time_s) {
+    for (double t = 0; t < time_s; t += tick_s_) {
+      silent_s_ += tick_s_;
+      if (silent_s_ > kWatchdog_s) currents_A_.setZero();
+      passTick();
+    }
+  }
+
+  [[nodiscard]] Vec3 force_D() const { return fromArm(arm_.force(currents_A_, angles())); }
+  [[nodiscard]] const HandDynamics::State& hand() const { return state_; }
+  [[nodiscard]] const std::vector<Vec3>& forces_D() const { return forces_D_; }  // that acted, tick by tick
+  [[nodiscard]] const Vec3& currents_A() const { return currents_A_; }
+
+ private:
+  static Vec3 fromArm(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
+  static Vec3 toArm(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
+  [[nodiscard]] Vec3 angles() const { return arm_.anglesAt(toArm(state_.position_W)).value(); }
+  [[nodiscard]] ArmCounts trueCounts() const { return arm_.countsAt(angles()); }
+  void passTick() {
+    const Vec3 force = force_D();
+    forces_D_.push_back(force);
+    const Vec3 start = path_.position(time_s_);
+    time_s_ = static_cast<double>(++ticks_) * tick_s_;
+    state_ = dynamics_.step(state_, start, path_.position(time_s_), force);
+  }
+
+  PolhemParameters parameters_;
+  ArmKinematics arm_;
+  HandDynamics dynamics_;
+  const Path& path_;
+  double tick_s_, time_s_ = 0, silent_s_ = 0;
+  std::int64_t ticks_ = 0;
+  HandDynamics::State state_;
+  std::array<std::int64_t, 3> offset_{};
+  Vec3 currents_A_ = Vec3::Zero();
+  bool asks_ = false, pressed_ = false;
+  std::vector<Vec3> forces_D_;
+};
+
+// A cable in memory: answers wait in it until they are read. The device may be unplugged.
+class EmulatedCable {
+ public:
+  explicit EmulatedCable(EmulatedPolhem& device) : device_(device) {}
+
+  [[nodiscard]] PortOpener opener() {
+    return [this]() -> std::unique_ptr<ReportPort> {
+      if (unplugged) throw std::runtime_error("not there");
+      waiting_ = {device_.state()};
+      return std::make_unique<Port>(*this);
+    };
+  }
+  bool unplugged = false;
+
+ private:
+  class Port final : public ReportPort {
+   public:
+    explicit Port(EmulatedCable& cable) : cable_(cable) {}
+    PortRead read(Report& report, int) noexcept override {
+      if (cable_.unplugged) return PortRead::kGone;
+      if (cable_.waiting_.empty()) return PortRead::kNothing;
+      report = cable_.waiting_.front();
+      cable_.waiting_.pop_front();
+      return PortRead::kReport;
+    }
+    bool write(const Report& report) noexcept override {
+      if (cable_.unplugged) return false;
+      cable_.waiting_.push_back(cable_.device_.answer(report));
+      return true;
+    }
+
+   private:
+    EmulatedCable& cable_;
+  };
+
+  EmulatedPolhem& device_;
+  std::deque<Report> waiting_;
+};
+
+}  // namespace palpate
