@@ -34,6 +34,8 @@ void addCheckVerb(CLI::App& app);
 void addBenchVerb(CLI::App& app);
 void addStabilityVerb(CLI::App& app);
 void addDevicesVerb(CLI::App& app);
+void addDoctorVerb(CLI::App& app);
+void addCalibrateVerb(CLI::App& app);
 void addPlanVerb(CLI::App& app);
 void addTuneVerb(CLI::App& app);
 void addSceneVerb(CLI::App& app);

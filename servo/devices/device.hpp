@@ -63,6 +63,10 @@ class Device {
   // What happened so far. Any thread; allocates.
   [[nodiscard]] virtual std::vector<DeviceFigure> figures() const { return {}; }
 
+  // The handle is in its home position: a device that counts from there is told so. forceOff() says when it is done.
+  // Before the loop starts, or by the servo thread.
+  virtual void calibrate() noexcept {}
+
   // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
   // before the first tick. A real device leaves this empty.
   virtual void elapse(int ticks) noexcept { static_cast<void>(ticks); }

@@ -65,8 +65,7 @@ class PolhemDevice final : public Device {
   [[nodiscard]] bool write(const Vec3& force_D) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_D) const noexcept override;
 
-  // The handle is in its home position: the device is told to count from there. Servo thread, or before the loop.
-  void calibrate() noexcept;
+  void calibrate() noexcept override;
   [[nodiscard]] const ArmCounts& counts() const noexcept { return counts_; }
 
  private:

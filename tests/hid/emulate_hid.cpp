@@ -302,7 +302,11 @@ class Machine {
     char folder[] = "/tmp/palpate-hid-XXXXXX";
     if (mkdtemp(folder) == nullptr) throw std::runtime_error("mkdtemp");
     sockets_ = folder;
+    chmod(folder, 0755);  // for programs that become another user
     testbed_ = umockdev_testbed_new();
+    gchar* root = umockdev_testbed_get_root_dir(testbed_);
+    chmod(root, 0755);
+    g_free(root);
     for (const std::string& device : options.devices) {
       plugIn(device, devices_.size());
       devices_.push_back(std::make_unique<Emulated>(options, device, sockets_, devices_.size(), path_));

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/doctor/diagnosis.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "apps/devices/calibration_stamp.hpp"
+#include "apps/devices/choose_hid.hpp"
+#include "apps/doctor/udev_rules.hpp"
+#include "base/error.hpp"
+#include "engine/gpu/gpu.hpp"
+#include "servo/devices/force_off.hpp"
+#include "servo/devices/registry.hpp"
+
+namespace palpate {
+namespace {
+
+using State = Finding::State;
+
+constexpr double kSeenMotion_m = 1e-3;
+constexpr double kLateShare = 0.5;  // of a period: a tick that wakes later leaves the device too little
+
+bool exertsForces(const DeviceKind& kind) {
+  for (const DeviceParameter& p : deviceEntry(kind.family).parameters()) {
+    if (p.key == "force_limit_N") return true;
+  }
+  return false;
+}
+
+std::string describe(const HidInfo& device) {
+  return fmt::format("{} \"{}\" at {}", usbText(device.vendor, device.product), device.name, device.path);
+}
+
+class Doctor {
+ public:
+  Doctor(const DoctorRequest& request, Progress& progress) : request_(request), progress_(progress) {}
+
+  Diagnosis run() {
+    progress_.stage("looking for devices");
+    lookForHid();
+    chooseKind();
+    openDevice();
+    lookAtLimits();
+    lookAtVulkan();
+    tryIt();
+    conclude();
+    progress_.done();
+    return std::move(diagnosis_);
+  }
+
+ private:
+  [[nodiscard]] HidBackEnd backEnd() const { return request_.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw; }
+  void find(State state, const char* topic, std::string text, std::string remedy = "") {
+    diagnosis_.findings.push_back({state, topic, std::move(text), std::move(remedy)});
+  }
+
+  void lookForHid() {
+    try {
+      for (const HidInfo& device : listHid(backEnd())) {
+        FoundHid found{.device = device, .kinds = {}};
+        for (const DeviceKind& kind : knownDeviceKinds()) {
+          if (fitOf(kind, device) == Fit::kYes) found.kinds.push_back(kind.name);
+        }
+        found.may_use = request_.by_libusb || access(device.path.c_str(), R_OK | W_OK) == 0;
+        diagnosis_.hid.push_back(std::move(found));
+      }
+    } catch (const Error& error) {
+      find(State::kBad, "HID", fmt::format("HID devices cannot be listed: {}", error.what()));
+      return;
+    }
+    if (diagnosis_.hid.empty()) {
+      find(State::kNote, "HID", "no HID device is here at all",
+           "plug one in; in a container or a virtual machine hand it through");
+    }
+    for (const FoundHid& found : diagnosis_.hid) {
+      const std::string can_be = found.kinds.empty() ? "no haptic device that Palpate knows"
+                                                     : fmt::format("can be {}", fmt::join(found.kinds, " or "));
+      const bool forbidden = !found.kinds.empty() && !found.may_use;
+      find(forbidden ? State::kBad : State::kNote, "HID",
+           fmt::format("{}: {}{}", describe(found.device), can_be, forbidden ? ", and you may not use it" : ""),
+           forbidden ? rightsRemedy() : "");
+    }
+    for (const std::string& complaint : deviceKindComplaints()) find(State::kNote, "device tables", complaint);
+  }
+
+  [[nodiscard]] std::string rightsRemedy() const {
+    const std::string rules = udevRules(knownDeviceKinds());
+    if (hasUdevRules(kUdevRulesFile, rules))
+      return fmt::format("the rules of {} are there: plug the device in again, or log in at the machine itself",
+                         kUdevRulesFile);
+    return "sudo palpate doctor --install-udev, and plug the device in again";
+  }
+
+  // What is asked for, or the only thing that is here.
+  void chooseKind() {
+    if (!request_.device.empty()) {
+      kind_ = deviceKindNamed(request_.device);
+      return;
+    }
+    const auto usable = std::ranges::find_if(diagnosis_.hid, [](const FoundHid& found) { return !found.kinds.empty(); });
+    if (usable == diagnosis_.hid.end()) return;
+    kind_ = deviceKindNamed(usable->kinds.front());
+    if (usable->kinds.size() == 1) return;
+    ambiguous_ = usable->kinds;
+  }
+
+  void openDevice() {
+    if (kind_ == nullptr) return;
+    diagnosis_.device = kind_->name;
+    try {
+      HidChoice choice = chooseHid(*kind_, request_.device_path, backEnd());
+      DeviceSetup setup{.rate_hz = request_.rate_hz,
+                        .values = std::move(choice.values),
+                        .open = std::move(choice.open),
+                        .calibrated = request_.calibrated || isStampedCalibrated(choice.device.path)};
+      if (request_.current_limit_A) setup.values["current_limit_A"] = *request_.current_limit_A;
+      device_ = makeDevice(kind_->family, setup);
+      find(State::kGood, "device", fmt::format("{} answers: {}", kind_->name, describe(choice.device)));
+    } catch (const Error& error) {
+      trouble_ = error;
+      find(State::kBad, "device", fmt::format("{}: {}", error.input(), error.reason()), error.remedy());
+    }
+  }
+
+  void lookAtLimits() {
+    rlimit priority{}, memory{};
+    getrlimit(RLIMIT_RTPRIO, &priority);
+    getrlimit(RLIMIT_MEMLOCK, &memory);
+    const bool root = geteuid() == 0;
+    constexpr const char* kHow =
+        "put '@audio - rtprio 95' and '@audio - memlock unlimited' into /etc/security/limits.d/palpate.conf, add yourself "
+        "to the group (sudo usermod -aG audio $USER) and log in again";
+    if (root || priority.rlim_cur >= 80) {
+      find(State::kGood, "real time", "the servo may have real-time priority");
+    } else {
+      find(State::kNote, "real time",
+           fmt::format("the servo gets no real-time priority (rtprio {}), so ticks will be late", priority.rlim_cur),
+           kHow);
+    }
+    constexpr rlim_t kEnough = 1ULL << 30;
+    if (root || memory.rlim_cur >= kEnough) return;
+    find(State::kNote, "real time",
+         fmt::format("only {} KiB of memory may be locked, so a tick may wait for the disk", memory.rlim_cur / 1024),
+         kHow);
+  }
+
+  void lookAtVulkan() {
+    try {
+      bool usable = false;
+      for (const gpu::GpuInfo& info : gpu::listGpus()) {
+        const bool good = info.unusable.empty();
+        usable = usable || good;
+        find(good ? State::kGood : State::kNote, "Vulkan",
+             fmt::format("{} ({}, {}){}", info.name, info.type, info.driver,
+                         good ? "" : fmt::format(": {}", info.unusable)));
+      }
+      if (!usable) find(State::kBad, "Vulkan", "no Vulkan device can be used", "install a driver: mesa-vulkan-drivers");
+    } catch (const Error& error) {
+      find(State::kBad, "Vulkan", error.reason(), error.remedy());
+    }
+  }
+
+  void tryIt() {
+    progress_.stage(fmt::format("trying the servo for {:g} s without force{}", request_.trial_s,
+                                device_ ? "; move the handle" : ""));
+    const TrialFigures trial =
+        tryServo(device_.get(), request_.rate_hz, request_.trial_s, [&](double share) { progress_.fraction(share); });
+    diagnosis_.trial = trial;
+    const double period_us = 1e6 / request_.rate_hz;
+    const bool late = trial.late_p99_us > kLateShare * period_us;
+    find(late ? State::kNote : State::kGood, "servo",
+         fmt::format("at {:g} Hz ticks woke {:.0f} us late in the middle, {:.0f} us at 99 %, {:.0f} us at most; {:.2g} % "
+                     "were left out",
+                     trial.rate_hz, trial.late_p50_us, trial.late_p99_us, trial.late_max_us, 100 * trial.skipped_share),
+         late ? "end what else runs, give real-time priority, or lower --rate" : "");
+    if (!device_) return;
+    const auto figure = [&](std::string_view key) {
+      const auto at = std::ranges::find(trial.figures, key, &DeviceFigure::key);
+      return at == trial.figures.end() ? 0.0 : at->value;
+    };
+    const double bad = figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible");
+    find(bad > 0.01 * figure("reports_received") ? State::kNote : State::kGood, "device",
+         fmt::format("{:.0f} reports a second; {:.0f} lost, {:.0f} garbled, {:.0f} not possible; a write takes {:.0f} us "
+                     "in the middle, {:.0f} us at 99 %",
+                     trial.reports_per_s, figure("reports_lost"), figure("reports_garbled"),
+                     figure("reports_implausible"), figure("write_p50_us"), figure("write_p99_us")),
+         bad > 0.01 * figure("reports_received") ? "use another cable or port, without a hub" : "");
+    if (trial.motion_m >= kSeenMotion_m)
+      find(State::kGood, "device", fmt::format("its handle moved by {:.1f} mm", 1e3 * trial.motion_m));
+    else
+      find(State::kNote, "device", "its handle did not move", "move it while this runs: encoders that count are seen then");
+  }
+
+  void off(const std::string& why, const std::string& remedy) {
+    diagnosis_.verdict = fmt::format("forces are off because {}{}{}", why, remedy.empty() ? "" : "; ", remedy);
+  }
+
+  void conclude() {
+    const auto no_vulkan = std::ranges::find_if(diagnosis_.findings, [](const Finding& f) {
+      return f.topic == "Vulkan" && f.state == State::kBad;
+    });
+    if (trouble_) return off(fmt::format("{}: {}", trouble_->input(), trouble_->reason()), trouble_->remedy());
+    if (kind_ == nullptr) {
+      return off("no haptic device is here",
+                 "plug one in; without one 'palpate touch phantom:sphere' feels with a simulated hand");
+    }
+    if (!exertsForces(*kind_)) return off(std::string(wordsOf(ForceOff::kInputOnly).reason), std::string(wordsOf(ForceOff::kInputOnly).remedy));
+    if (!ambiguous_.empty()) {
+      return off(fmt::format("its USB numbers do not say which arm it is ({})", fmt::join(ambiguous_, ", ")),
+                 fmt::format("say it, as --device {}", ambiguous_.front()));
+    }
+    const ForceOff why = device_->forceOff();
+    if (why != ForceOff::kNone) return off(std::string(wordsOf(why).reason), std::string(wordsOf(why).remedy));
+    if (no_vulkan != diagnosis_.findings.end()) return off(no_vulkan->text, no_vulkan->remedy);
+    diagnosis_.forces_on = true;
+    diagnosis_.verdict = fmt::format("forces are on: {}", kind_->name);
+  }
+
+  const DoctorRequest& request_;
+  Progress& progress_;
+  Diagnosis diagnosis_;
+  const DeviceKind* kind_ = nullptr;
+  std::vector<std::string> ambiguous_;
+  std::unique_ptr<Device> device_;
+  std::optional<Error> trouble_;
+};
+
+}  // namespace
+
+Diagnosis diagnose(const DoctorRequest& request, Progress& progress) {
+  return Doctor(request, progress).run();
+}
+
+}  // namespace palpate

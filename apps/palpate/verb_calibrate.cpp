@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// palpate calibrate: tells a device that its handle is in its home position, from which it counts then.
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <unistd.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
+#include "apps/devices/calibration_stamp.hpp"
+#include "apps/devices/choose_hid.hpp"
+#include "base/error.hpp"
+#include "device_arguments.hpp"
+#include "servo/devices/registry.hpp"
+#include "servo/hid/hid.hpp"
+#include "verbs.hpp"
+
+namespace palpate {
+namespace {
+
+struct CalibrateArguments {
+  std::string device, path;
+  bool by_libusb = false, yes = false;
+};
+
+constexpr int kPatience_ms = 2000;
+
+void awaitEnter() {
+  printText("Put the handle into its home position and hold it there, then press Enter. ");
+  std::string line;
+  if (!std::getline(std::cin, line))
+    refuse("palpate calibrate", "nobody answers on the terminal", "give --yes when the handle is in its home position");
+  throwIfInterrupted("palpate calibrate");
+}
+
+void calibrate(const CalibrateArguments& arguments) {
+  const DeviceKind* kind = deviceKindNamed(arguments.device);
+  if (kind == nullptr) {
+    printResult("{} needs no calibration.\n", arguments.device);
+    return;
+  }
+  HidChoice choice =
+      chooseHid(*kind, arguments.path, arguments.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
+  DeviceSetup setup{.values = std::move(choice.values), .open = std::move(choice.open)};
+  // The limit matters for forces alone, of which there are none here; without one the device would say nothing else.
+  for (const DeviceParameter& p : deviceEntry(kind->family).parameters())
+    if (p.key == "current_limit_A") setup.values["current_limit_A"] = p.highest;
+  const std::unique_ptr<Device> device = makeDevice(kind->family, setup);
+  if (device->forceOff() == ForceOff::kInputOnly) {
+    printResult("{} needs no calibration.\n", arguments.device);
+    return;
+  }
+  if (!arguments.yes) awaitEnter();
+  device->calibrate();
+  Vec3 position = Vec3::Zero();
+  for (int waited_ms = 0; device->forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms) {
+    static_cast<void>(device->read(position));
+    static_cast<void>(device->write(Vec3::Zero()));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (device->forceOff() != ForceOff::kNone) {
+    throw Error(Error::Code::kDevice, fmt::format("device {}", arguments.device), "it did not count from its home position",
+                "hold the handle still, and see with 'palpate doctor' that it answers");
+  }
+  const bool kept = stampCalibrated(choice.device.path);
+  printResult("{} counts from its home position{}.\n", arguments.device,
+              kept ? " until it is unplugged"
+                   : "; this cannot be kept (XDG_RUNTIME_DIR is not set), so give --calibrated to later commands");
+}
+
+}  // namespace
+
+void addCalibrateVerb(CLI::App& app) {
+  CLI::App* verb = app.add_subcommand("calibrate", "tell a device that its handle is in its home position");
+  verb->footer("Example: palpate calibrate --device polhem-v1");
+  auto arguments = std::make_shared<CalibrateArguments>();
+  addDeviceFlags(*verb, {.device = arguments->device, .path = arguments->path, .by_libusb = arguments->by_libusb});
+  verb->get_option("--device")->required();
+  verb->add_flag("--yes", arguments->yes, "it is there now; do not ask");
+  verb->callback([arguments] { calibrate(*arguments); });
+}
+
+}  // namespace palpate

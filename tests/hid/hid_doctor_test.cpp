@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate doctor` and `palpate calibrate` on emulated devices: each reason for no force is named, and what helps.
+#include "emulated_program.hpp"
+
+namespace palpate {
+namespace hid_doctor_test {
+
+using testing::HasSubstr;
+
+class HidDoctor : public EmulatedHid {
+ protected:
+  [[nodiscard]] Outcome doctor(const Words& machine, const Words& more = {}) const {
+    return on(machine, Words{"doctor", "--seconds", "0.3", "--json", "d.json"} + more);
+  }
+  [[nodiscard]] Json json() const { return Json::parse(contentsOf(file("d.json"))); }
+  void expectOff(const Outcome& outcome, const std::string& why) const {
+    EXPECT_EQ(outcome.status, 1) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("\nforces are off because " + why));
+    EXPECT_THAT(json()["verdict"], HasSubstr(why));
+    EXPECT_FALSE(json()["forces_on"]);
+  }
+};
+
+TEST_F(HidDoctor, SaysThatForcesAreOn) {
+  const Outcome outcome = doctor({}, {"--device", "polhem-v1", "--calibrated", "--current-limit", "3"});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nforces are on: polhem-v1\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("polhem-v1 answers: 1234:0006 \"mbed Polhem\" at /dev/hidraw0"));
+  EXPECT_TRUE(json()["forces_on"]);
+  EXPECT_GT(json()["trial"]["device"]["reports_received"], 3);
+  EXPECT_EQ(json()["trial"]["failed_share"], 0);
+  EXPECT_EQ(json()["hid"][0]["usage"], "ffab:0200");
+}
+
+TEST_F(HidDoctor, NamesEachReasonForNoForce) {
+  const Words polhem = {"--device", "polhem-v1"};
+  expectOff(doctor({"--devices", "none"}), "no haptic device is here; plug one in");
+  expectOff(doctor({"--devices", "keyboard"}), "no haptic device is here");
+  EXPECT_THAT(json()["findings"].dump(), HasSubstr("no haptic device that Palpate knows"));
+  expectOff(doctor({"--devices", "none"}, polhem), "device polhem-v1: none of this machine's HID devices is one");
+  expectOff(doctor({"--devices", "gadget"}, polhem), "device polhem-v1: 1234:0006 \"A lamp\" at /dev/hidraw0 has its USB numbers, but");
+  expectOff(doctor({}), "its USB numbers do not say which arm it is");
+  expectOff(doctor({}, polhem), "nobody said what current the device's firmware is made for");
+  expectOff(doctor({"--uncalibrated"}, polhem + Words{"--current-limit", "3"}), "the device does not know where its handle is");
+  expectOff(doctor({"--devices", "polhem,teensy"}, polhem), "device polhem-v1: there are two");
+}
+
+// Root may use anything, so the program runs as nobody.
+TEST_F(HidDoctor, NamesMissingRightsAndTheRuleThatGivesThem) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
+  std::filesystem::permissions(folder(), std::filesystem::perms::all);
+  const Words as_nobody = {"setpriv", "--reuid=65534", "--clear-groups"};
+  const Outcome outcome = emulate({"--forbidden"}, as_nobody + Words{PALPATE_PROGRAM, "doctor", "--seconds", "0.2", "--json",
+                                                                  "d.json", "--device", "polhem-v1"});
+  expectOff(outcome, "/dev/hidraw0: you have no right to use it; run 'palpate doctor --install-udev'");
+  EXPECT_THAT(outcome.out, HasSubstr("and you may not use it; sudo palpate doctor --install-udev"));
+  EXPECT_THAT(outcome.out, HasSubstr("note  real time"));
+  EXPECT_FALSE(json()["hid"][0]["may_use"]);
+}
+
+// What is calibrated stays so while the device is plugged in.
+TEST_F(HidDoctor, CalibratesForLaterRuns) {
+  const std::string program = PALPATE_PROGRAM;
+  const std::string doctor = program + " doctor --seconds 0.2 --device polhem-v1 --current-limit 3";
+  const Outcome outcome =
+      emulate({"--uncalibrated"}, {"sh", "-c", doctor + "; " + program + " calibrate --device polhem-v1 --yes && " + doctor});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("forces are off because the device does not know where its handle is"));
+  EXPECT_THAT(outcome.out, HasSubstr("polhem-v1 counts from its home position until it is unplugged.\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("forces are on: polhem-v1\n"));
+}
+
+TEST_F(HidDoctor, CalibratesOnlyWhatNeedsIt) {
+  EXPECT_THAT(on({}, {"calibrate", "--device", "simulated"}).out, HasSubstr("simulated needs no calibration"));
+  expectRefusal(on({"--devices", "none"}, {"calibrate", "--device", "polhem-v1", "--yes"}), "device polhem-v1", "none of", 3);
+  EXPECT_EQ(on({}, {"calibrate"}).status, 2);
+}
+
+TEST_F(HidDoctor, ListsWhatIsHere) {
+  const Outcome outcome = on({"--devices", "polhem,keyboard"}, {"devices"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("1234:0006   mbed Polhem: polhem-v1 or woodenhaptics or aluhaptics or vintage"));
+  EXPECT_EQ(outcome.out.find("Keyboard"), std::string::npos);
+  EXPECT_THAT(on({"--devices", "none"}, {"devices"}).out, HasSubstr("None of them but the simulated one is here"));
+}
+
+// A user's own table, and one that is broken.
+TEST_F(HidDoctor, TakesTheUsersTables) {
+  std::filesystem::create_directories(file("palpate/devices"));
+  write("palpate/devices/a.toml",
+        "[[device]]\nname = \"mine\"\nfamily = \"polhem-family\"\nwhat = \"my own\"\nusb = [{ id = \"1234:0006\", "
+        "report_bytes = 14 }]\n");
+  write("palpate/devices/b.toml", "[[device]]\nname = \"other\"\n");
+  const Outcome outcome = doctor({}, {"--device", "mine", "--calibrated", "--current-limit", "3"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("b.toml:1:1: a device has no 'family'"));
+}
+
+}  // namespace hid_doctor_test
+}  // namespace palpate
