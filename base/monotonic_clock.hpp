@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// base/monotonic_clock.hpp: the clock of servo, engine and devices. Any thread; no system call where the vDSO serves it.
+// base/monotonic_clock.hpp: the clock of servo, engine and devices. Any thread; no system call where the vDSO serves
+// it.
 #pragma once
 
 #include <cstdint>

@@ -94,7 +94,7 @@ target_precompile_headers(palpate_room_pch PRIVATE ${palpate_common_headers})
 
 # Most of a file's compile time goes into headers. Where this is on, the files of a room are compiled a few at a time.
 option(PALPATE_JOIN "compile several files of a room at once: fewer minutes for a whole build" ON)
-set(PALPATE_JOIN_COUNT 8)
+set(PALPATE_JOIN_COUNT 16 CACHE STRING "so many files at once, with PALPATE_JOIN")
 
 # Sets `out` to generated files that include `SOURCES` of the target, a few each, and to the files of `APART` as they are. Files
 # of `TOGETHER` get a generated file to themselves: they share a library whose headers take long.

@@ -5,7 +5,7 @@ find_package(Threads REQUIRED)
 
 # What the servo uses of base/; the rest of base/ needs more than Eigen.
 set(base ${CMAKE_CURRENT_SOURCE_DIR}/../base)
-add_library(palpate_servo STATIC ${base}/error.cpp ${base}/formatted.cpp ${base}/lattice.cpp ${base}/nearest_word.cpp ${base}/quantile.cpp ${base}/thread_names.cpp)
+add_library(palpate_servo STATIC ${base}/crc32c.cpp ${base}/error.cpp ${base}/formatted.cpp ${base}/lattice.cpp ${base}/nearest_word.cpp ${base}/quantile.cpp ${base}/thread_names.cpp)
 add_library(palpate::servo ALIAS palpate_servo)
 target_include_directories(palpate_servo PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/..)
 target_compile_features(palpate_servo PUBLIC cxx_std_20)

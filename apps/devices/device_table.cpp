@@ -71,7 +71,8 @@ class KindReader {
   std::string text(const char* key) const {
     const toml::node& node = needed(key);
     const auto value = node.value<std::string>();
-    if (!value || value->empty()) refuse(placeOf(node, file_), fmt::format("'{}' is no text", key), "give it in quotes");
+    if (!value || value->empty())
+      refuse(placeOf(node, file_), fmt::format("'{}' is no text", key), "give it in quotes");
     return *value;
   }
   std::pair<std::uint16_t, std::uint16_t> pairOf(const toml::node& node, const char* what, const char* example) const {
@@ -167,8 +168,7 @@ std::vector<fs::path> tomlFiles(const fs::path& folder) {
 
 std::vector<DeviceKind> kindsOfFile(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream)
-    throw Error(Error::Code::kNotFound, file.string(), "it cannot be opened", "check its permissions");
+  if (!stream) throw Error(Error::Code::kNotFound, file.string(), "it cannot be opened", "check its permissions");
   return readDeviceKinds(std::string(std::istreambuf_iterator<char>(stream), {}), file.string());
 }
 
@@ -200,8 +200,7 @@ const Known& known() {
 }  // namespace
 
 const UsbId* DeviceKind::idOf(std::uint16_t vendor, std::uint16_t product) const noexcept {
-  const auto id =
-      std::ranges::find_if(usb, [&](const UsbId& u) { return u.vendor == vendor && u.product == product; });
+  const auto id = std::ranges::find_if(usb, [&](const UsbId& u) { return u.vendor == vendor && u.product == product; });
   return id == usb.end() ? nullptr : &*id;
 }
 

@@ -105,7 +105,8 @@ class Doctor {
       kind_ = deviceKindNamed(request_.device);
       return;
     }
-    const auto usable = std::ranges::find_if(diagnosis_.hid, [](const FoundHid& found) { return !found.kinds.empty(); });
+    const auto usable =
+        std::ranges::find_if(diagnosis_.hid, [](const FoundHid& found) { return !found.kinds.empty(); });
     if (usable == diagnosis_.hid.end()) return;
     kind_ = deviceKindNamed(usable->kinds.front());
     if (usable->kinds.size() == 1) return;
@@ -136,7 +137,8 @@ class Doctor {
     getrlimit(RLIMIT_MEMLOCK, &memory);
     const bool root = geteuid() == 0;
     constexpr const char* kHow =
-        "put '@audio - rtprio 95' and '@audio - memlock unlimited' into /etc/security/limits.d/palpate.conf, add yourself "
+        "put '@audio - rtprio 95' and '@audio - memlock unlimited' into /etc/security/limits.d/palpate.conf, add "
+        "yourself "
         "to the group (sudo usermod -aG audio $USER) and log in again";
     if (root || priority.rlim_cur >= 80) {
       find(State::kGood, "real time", "the servo may have real-time priority");
@@ -177,9 +179,10 @@ class Doctor {
     const double period_us = 1e6 / request_.rate_hz;
     const bool late = trial.late_p99_us > kLateShare * period_us;
     find(late ? State::kNote : State::kGood, "servo",
-         fmt::format("at {:g} Hz ticks woke {:.0f} us late in the middle, {:.0f} us at 99 %, {:.0f} us at most; {:.2g} % "
-                     "were left out",
-                     trial.rate_hz, trial.late_p50_us, trial.late_p99_us, trial.late_max_us, 100 * trial.skipped_share),
+         fmt::format(
+             "at {:g} Hz ticks woke {:.0f} us late in the middle, {:.0f} us at 99 %, {:.0f} us at most; {:.2g} % "
+             "were left out",
+             trial.rate_hz, trial.late_p50_us, trial.late_p99_us, trial.late_max_us, 100 * trial.skipped_share),
          late ? "end what else runs, give real-time priority, or lower --rate" : "");
     if (!device_) return;
     const auto figure = [&](std::string_view key) {
@@ -188,15 +191,17 @@ class Doctor {
     };
     const double bad = figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible");
     find(bad > 0.01 * figure("reports_received") ? State::kNote : State::kGood, "device",
-         fmt::format("{:.0f} reports a second; {:.0f} lost, {:.0f} garbled, {:.0f} not possible; a write takes {:.0f} us "
-                     "in the middle, {:.0f} us at 99 %",
-                     trial.reports_per_s, figure("reports_lost"), figure("reports_garbled"),
-                     figure("reports_implausible"), figure("write_p50_us"), figure("write_p99_us")),
+         fmt::format(
+             "{:.0f} reports a second; {:.0f} lost, {:.0f} garbled, {:.0f} not possible; a write takes {:.0f} us "
+             "in the middle, {:.0f} us at 99 %",
+             trial.reports_per_s, figure("reports_lost"), figure("reports_garbled"), figure("reports_implausible"),
+             figure("write_p50_us"), figure("write_p99_us")),
          bad > 0.01 * figure("reports_received") ? "use another cable or port, without a hub" : "");
     if (trial.motion_m >= kSeenMotion_m)
       find(State::kGood, "device", fmt::format("its handle moved by {:.1f} mm", 1e3 * trial.motion_m));
     else
-      find(State::kNote, "device", "its handle did not move", "move it while this runs: encoders that count are seen then");
+      find(State::kNote, "device", "its handle did not move",
+           "move it while this runs: encoders that count are seen then");
   }
 
   void off(const std::string& why, const std::string& remedy) {
@@ -204,15 +209,15 @@ class Doctor {
   }
 
   void conclude() {
-    const auto no_vulkan = std::ranges::find_if(diagnosis_.findings, [](const Finding& f) {
-      return f.topic == "Vulkan" && f.state == State::kBad;
-    });
+    const auto no_vulkan = std::ranges::find_if(
+        diagnosis_.findings, [](const Finding& f) { return f.topic == "Vulkan" && f.state == State::kBad; });
     if (trouble_) return off(fmt::format("{}: {}", trouble_->input(), trouble_->reason()), trouble_->remedy());
     if (kind_ == nullptr) {
       return off("no haptic device is here",
                  "plug one in; without one 'palpate touch phantom:sphere' feels with a simulated hand");
     }
-    if (!exertsForces(*kind_)) return off(std::string(wordsOf(ForceOff::kInputOnly).reason), std::string(wordsOf(ForceOff::kInputOnly).remedy));
+    if (!exertsForces(*kind_))
+      return off(std::string(wordsOf(ForceOff::kInputOnly).reason), std::string(wordsOf(ForceOff::kInputOnly).remedy));
     if (!ambiguous_.empty()) {
       return off(fmt::format("its USB numbers do not say which arm it is ({})", fmt::join(ambiguous_, ", ")),
                  fmt::format("say it, as --device {}", ambiguous_.front()));

@@ -23,8 +23,7 @@ void runQuietly(std::initializer_list<const char*> words) {
   for (const char* word : words) arguments.push_back(const_cast<char*>(word));
   arguments.push_back(nullptr);
   pid_t child = 0;
-  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) == 0)
-    waitpid(child, nullptr, 0);
+  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) == 0) waitpid(child, nullptr, 0);
 }
 
 }  // namespace

@@ -8,11 +8,11 @@ namespace {
 
 void addVerbs(CLI::App& app) {
   for (const auto& add :
-       {palpate::addTouchVerb, palpate::addEditVerb, palpate::addRecoverVerb, palpate::addInfoVerb,
-        palpate::addConvertVerb, palpate::addGradientVerb, palpate::addFilterVerb, palpate::addRenderVerb,
-        palpate::addCheckVerb, palpate::addBenchVerb, palpate::addStabilityVerb, palpate::addDevicesVerb, palpate::addDoctorVerb, palpate::addCalibrateVerb,
-        palpate::addPlanVerb, palpate::addTuneVerb, palpate::addSceneVerb, palpate::addFaultsVerb, palpate::addHelpVerb,
-        palpate::addCompletionVerb}) {
+       {palpate::addTouchVerb,   palpate::addEditVerb,      palpate::addRecoverVerb,   palpate::addInfoVerb,
+        palpate::addConvertVerb, palpate::addGradientVerb,  palpate::addFilterVerb,    palpate::addRenderVerb,
+        palpate::addCheckVerb,   palpate::addBenchVerb,     palpate::addStabilityVerb, palpate::addDevicesVerb,
+        palpate::addDoctorVerb,  palpate::addCalibrateVerb, palpate::addPlanVerb,      palpate::addTuneVerb,
+        palpate::addSceneVerb,   palpate::addFaultsVerb,    palpate::addHelpVerb,      palpate::addCompletionVerb}) {
     add(app);
   }
   palpate::addSculptVerb(app, [](const palpate::SculptRequest&) { palpate::startWindow(); });

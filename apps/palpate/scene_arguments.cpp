@@ -61,7 +61,7 @@ Scene SceneArguments::scene() const {
 void SceneArguments::checkNotRead(const Scene& scene, const std::string& output) const {
   if (output.empty()) return;
   checkNotInput(scene.volume, output);
-  std::vector<std::string> inputs = {source_, scene.path_file};
+  std::vector<std::string> inputs = {source_, scene.path_file, scene.recording};
   for (const ObjectSpec& object : scene.objects) inputs.push_back(object.file);
   for (const std::string& input : inputs) {
     if (input.empty() || !sameFile(input, output)) continue;

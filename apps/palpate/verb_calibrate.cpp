@@ -42,8 +42,7 @@ void calibrate(const CalibrateArguments& arguments) {
     printResult("{} needs no calibration.\n", arguments.device);
     return;
   }
-  HidChoice choice =
-      chooseHid(*kind, arguments.path, arguments.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
+  HidChoice choice = chooseHid(*kind, arguments.path, arguments.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
   DeviceSetup setup{.values = std::move(choice.values), .open = std::move(choice.open)};
   // The limit matters for forces alone, of which there are none here; without one the device would say nothing else.
   for (const DeviceParameter& p : deviceEntry(kind->family).parameters())
@@ -62,7 +61,8 @@ void calibrate(const CalibrateArguments& arguments) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (device->forceOff() != ForceOff::kNone) {
-    throw Error(Error::Code::kDevice, fmt::format("device {}", arguments.device), "it did not count from its home position",
+    throw Error(Error::Code::kDevice, fmt::format("device {}", arguments.device),
+                "it did not count from its home position",
                 "hold the handle still, and see with 'palpate doctor' that it answers");
   }
   const bool kept = stampCalibrated(choice.device.path);

@@ -53,7 +53,8 @@ void addDoctorVerb(CLI::App& app) {
   verb->add_option("--current-limit", r.current_limit_A, "what the amplifiers of its firmware bear [A]")
       ->check(CLI::Range(0.0, 20.0));
   verb->add_flag("--calibrated", r.calibrated, "it was calibrated since it was switched on, by another program");
-  verb->add_option("--rate", r.rate_hz, "of the servo in the trial [Hz] (default 1000)")->check(CLI::Range(10.0, 20000.0));
+  verb->add_option("--rate", r.rate_hz, "of the servo in the trial [Hz] (default 1000)")
+      ->check(CLI::Range(10.0, 20000.0));
   verb->add_option("--seconds", r.trial_s, "how long the trial takes [s] (default 5)")->check(CLI::Range(0.1, 600.0));
   verb->add_flag("--install-udev", arguments->installs_udev,
                  fmt::format("write {}, which lets users at the machine use the devices", kUdevRulesFile));

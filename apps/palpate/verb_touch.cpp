@@ -45,6 +45,7 @@ void addTouchVerb(CLI::App& app) {
   verb->callback([arguments] {
     Progress progress;
     const Scene scene = arguments->scene();
+    arguments->checkNotRead(scene, scene.record);
     for (const std::string& idle : idleOptions(scene, arguments->givenFlags())) tellUser(idle);
     std::optional<KeptWork> telling;  // outlives the run, whose memory may take long to free
     try {

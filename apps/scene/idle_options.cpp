@@ -21,11 +21,14 @@ struct IdleOption {
 bool isReal(const Scene& scene) {
   return deviceKindNamed(scene.device) != nullptr;
 }
+bool isRecorded(const Scene& scene) {
+  return scene.device == "recorded";
+}
 bool hasSpringHand(const Scene& scene) {
-  return scene.spring_hand && !isReal(scene);
+  return scene.spring_hand && !isReal(scene) && !isRecorded(scene);
 }
 bool buildsPath(const Scene& scene) {
-  return scene.path_file.empty() && !isReal(scene);
+  return scene.path_file.empty() && !isReal(scene) && !isRecorded(scene);
 }
 // An unknown algorithm is refused elsewhere.
 const AlgorithmEntry* entryOf(const Scene& scene) {
@@ -74,6 +77,7 @@ const IdleOption kIdleOptions[] = {
     {"--hand-stiffness", hasSpringHand, kSpringOnly},
     {"--device-mass", hasSpringHand, kSpringOnly},
     {"--device-damping", hasSpringHand, kSpringOnly},
+    {"--recording", isRecorded, "only --device recorded plays one back"},
     {"--device-path", isReal, kNoReal},
     {"--hid", isReal, kNoReal},
     {"--calibrated", isReal, kNoReal},
@@ -84,9 +88,10 @@ const IdleOption kIdleOptions[] = {
     {"--force-scale", isReal, kNoReal},
     {"--clutch", isReal, kNoReal},
     {"--edge", isReal, kNoReal},
-    {"--path", [](const Scene& s) { return !isReal(s); }, "a hand leads a real --device"},
-    {"--seconds", [](const Scene& s) { return s.path_file.empty() || isReal(s); },
-     "the run is as long as the path of --path"},
+    {"--path", [](const Scene& s) { return !isReal(s) && !isRecorded(s); },
+     "a hand leads a real --device, and its recording a recorded one"},
+    {"--seconds", [](const Scene& s) { return (s.path_file.empty() || isReal(s)) && !isRecorded(s); },
+     "the run is as long as the path of --path, or the recording"},
     {"--toward", buildsPath, kNoBuiltPath},
     {"--start", buildsPath, kNoBuiltPath},
     {"--slide-toward", buildsPath, kNoBuiltPath},

@@ -134,6 +134,8 @@ const SceneOption kOptions[] = {
     ofDevice("--device-damping", "device.damping_Ns_per_m", "N s/m", &Scene::device_damping_Ns_per_m, 1, "damping_Ns_per_m"),
     ofDevice("--encoder", "device.encoder_resolution_mm", "mm", &Scene::encoder_resolution_m, kMm, "encoder_resolution_m"),
     {"--delay", "device.delay_ticks", "ticks", "delay of the simulated device's force", integer(&Scene::device_delay_ticks, 0, 1000)},
+    {"--recording", "device.recording", "", "the recorded session that --device recorded plays back", TextOption{&Scene::recording, false}},
+    {"--record", "device.record", "", "file for all that the device says in this run, to be played back (docs/recording.md)", TextOption{&Scene::record, false}},
     {"--device-path", "device.path", "", "of several devices of a kind, the one there, as /dev/hidraw0", TextOption{&Scene::device_path, false}},
     {"--hid", "device.hid", "", "how a real device is reached: by the kernel, or by libusb, which takes it from the kernel",
      SwitchOption{&Scene::device_by_libusb, "hidraw", "libusb"}},

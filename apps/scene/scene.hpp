@@ -83,6 +83,8 @@ struct Scene {
   double device_damping_Ns_per_m = usualOfDevice("damping_Ns_per_m");
   double encoder_resolution_m = usualOfDevice("encoder_resolution_m");  // 0: none
   int device_delay_ticks = static_cast<int>(usualOfDevice("delay_ticks"));
+  std::string recording;  // file that "recorded" plays back
+  std::string record;     // file for what the device says; empty: none
   // a real device, and its place in the scene (servo/devices/placed_device.hpp)
   std::string device_path;                // "/dev/hidraw0"; empty: the only one of its kind
   bool device_by_libusb = false;          // false: by the kernel's hidraw

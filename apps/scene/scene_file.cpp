@@ -219,6 +219,7 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   Scene read = scene;
   read.volume.clear();  // what is there afterwards is the file's
   read.path_file.clear();
+  read.recording.clear();
   const std::size_t given_before = read.objects.size();
   try {
     setKeys(toml::parse(stream, file.string()), "", file.string(), read);
@@ -229,8 +230,10 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
   }
   resolve(file.parent_path(), read.volume);
   resolve(file.parent_path(), read.path_file);
+  resolve(file.parent_path(), read.recording);
   if (read.volume.empty()) read.volume = scene.volume;
   if (read.path_file.empty()) read.path_file = scene.path_file;
+  if (read.recording.empty()) read.recording = scene.recording;
   for (std::size_t i = given_before; i < read.objects.size(); ++i) resolve(file.parent_path(), read.objects[i].file);
   scene = read;
 }

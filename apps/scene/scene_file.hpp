@@ -11,10 +11,10 @@ namespace palpate {
 // By which a scene's file is told from a volume's.
 inline constexpr const char* kSceneExtension = ".toml";
 
-// Sets in `scene` every key of the file and adds its objects. Relative paths (volume, path.file, files of objects) are
-// taken from the file's folder. Throws Error: a missing file or a folder; text that is no TOML (with line and column);
-// a key that is not in the option table (with the nearest one that is); a value of the wrong type or form. Then `scene`
-// is unchanged.
+// Sets in `scene` every key of the file and adds its objects. Relative paths (volume, path.file, device.recording,
+// files of objects) are taken from the file's folder. Throws Error: a missing file or a folder; text that is no TOML
+// (with line and column); a key that is not in the option table (with the nearest one that is); a value of the wrong
+// type or form. Then `scene` is unchanged.
 void readSceneFile(const std::filesystem::path& file, Scene& scene);
 
 }  // namespace palpate

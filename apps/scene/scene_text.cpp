@@ -98,6 +98,7 @@ std::string sceneText(const Scene& scene, const fs::path& folder, std::span<cons
   Scene seen = scene;
   seen.volume = seenFrom(folder, scene.volume);
   seen.path_file = seenFrom(folder, scene.path_file);
+  seen.recording = seenFrom(folder, scene.recording);
   for (ObjectSpec& object : seen.objects) object.file = seenFrom(folder, object.file);
   std::vector<Lines> tables = {{}};
   for (const SceneOption& option : sceneOptions()) {

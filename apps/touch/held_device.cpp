@@ -9,7 +9,9 @@
 #include "apps/devices/choose_hid.hpp"
 #include "apps/report/words.hpp"
 #include "apps/rig/contact_bounds.hpp"
+#include "apps/touch/recording_file.hpp"
 #include "apps/touch/scene_settings.hpp"
+#include "base/atomic_file.hpp"
 #include "servo/devices/force_off.hpp"
 
 namespace palpate {
@@ -24,6 +26,8 @@ double roundedDown(double stiffness_N_per_m) {
 
 void checkDevice(const Scene& scene) {
   const DeviceKind* kind = deviceKindNamed(scene.device);
+  if (!scene.record.empty()) checkWritable(scene.record);
+  if (!hasPath(scene) && kind == nullptr) static_cast<void>(loadRecording(scene.recording));
   if (kind == nullptr) return;
   const HidChoice choice =
       chooseHid(*kind, scene.device_path, scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
@@ -41,10 +45,11 @@ void settleStiffness(Scene& scene, const Device& device) {
 std::vector<std::string> heldDeviceWords(const Scene& scene, const Device& device, const Placement& placement) {
   std::vector<std::string> words;
   const DeviceLimits limits = device.limits();
-  const std::string wall = fmt::format("a wall of {} N/m is one of {} N/m at its handle", shortNumber(scene.stiffness_N_per_m),
-                                       shortNumber(scene.stiffness_N_per_m * placement.scale * placement.force_scale));
-  words.push_back(fmt::format("{}: 1 mm of the device moves the tool by {} mm, 1 N of the scene is {} N; {}", scene.device,
-                              shortNumber(placement.scale), shortNumber(placement.force_scale), wall));
+  const std::string wall =
+      fmt::format("a wall of {} N/m is one of {} N/m at its handle", shortNumber(scene.stiffness_N_per_m),
+                  shortNumber(scene.stiffness_N_per_m * placement.scale * placement.force_scale));
+  words.push_back(fmt::format("{}: 1 mm of the device moves the tool by {} mm, 1 N of the scene is {} N; {}",
+                              scene.device, shortNumber(placement.scale), shortNumber(placement.force_scale), wall));
   if (const ForceOff why = device.forceOff(); why != ForceOff::kNone) {
     const ForceOffWords off = wordsOf(why);
     words.push_back(fmt::format("forces are off because {}; {}", off.reason, off.remedy));

@@ -5,6 +5,7 @@
 
 #include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/choose_hid.hpp"
+#include "apps/touch/recording_file.hpp"
 #include "apps/touch/scene_settings.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/loop/real_time.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int kLinkPriority = 79;  // just below the servo's, which waits for nobody
 constexpr double kInFront_m = 0.01;
+constexpr const char* kRecorded = "recorded";  // servo/devices/registry.hpp
 
 Eigen::Matrix3d turned(const Vec3& about_rad) {
   return (Eigen::AngleAxisd(about_rad.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(about_rad.y(), Vec3::UnitY()) *
@@ -25,6 +27,10 @@ Eigen::Matrix3d turned(const Vec3& about_rad) {
 
 bool isHeld(const Scene& scene) {
   return deviceKindNamed(scene.device) != nullptr;
+}
+
+bool hasPath(const Scene& scene) {
+  return !isHeld(scene) && scene.device != kRecorded;
 }
 
 VolumeBox boxOf(const Lattice& lattice, const Eigen::Vector3i& size) {
@@ -58,9 +64,14 @@ Placement placementOf(const Scene& scene, const DeviceLimits& device, const Volu
 
 SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBox& box) {
   const DeviceKind* kind = deviceKindNamed(scene.device);
+  if (scene.device == kRecorded) {
+    DeviceSetup setup{.rate_hz = scene.rate_hz};
+    setup.recording = loadRecording(scene.recording);
+    return {makeDevice(scene.device, setup), std::nullopt};
+  }
   if (kind == nullptr) return {makeDevice(scene.device, deviceSetup(scene, path)), std::nullopt};
-  HidChoice choice = chooseHid(*kind, scene.device_path,
-                               scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
+  HidChoice choice =
+      chooseHid(*kind, scene.device_path, scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
   DeviceSetup setup{.rate_hz = scene.rate_hz,
                     .values = std::move(choice.values),
                     .open = std::move(choice.open),

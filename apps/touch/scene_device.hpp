@@ -17,8 +17,10 @@
 
 namespace palpate {
 
-// Whether a person holds the scene's device, so that no path leads it.
+// Whether a person holds the scene's device.
 [[nodiscard]] bool isHeld(const Scene& scene);
+// Whether a path leads it: nobody holds it, and no recording is played back.
+[[nodiscard]] bool hasPath(const Scene& scene);
 
 // Where a volume lies in the world.
 struct VolumeBox {

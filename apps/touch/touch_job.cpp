@@ -25,6 +25,7 @@
 #include "apps/touch/output_folder.hpp"
 #include "apps/touch/picture.hpp"
 #include "apps/touch/plane_age.hpp"
+#include "apps/touch/recording_file.hpp"
 #include "apps/touch/run_notes.hpp"
 #include "apps/touch/scene_device.hpp"
 #include "apps/touch/scene_objects.hpp"
@@ -47,6 +48,7 @@
 #include "engine/phantoms/phantom.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/devices/recording_device.hpp"
 #include "servo/loop/contact_stability.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -122,6 +124,11 @@ ScriptedPath restingPath(const Vec3& at_W) {
   return {.path = SampledPath({0}, {at_W}, SampledPath::Interpolation::kLinear), .phases = {}, .notes = {}};
 }
 
+double durationOf(const Scene& scene, const Path& path) {
+  if (!hasPath(scene) && !isHeld(scene)) return recordedDuration_s(scene);
+  return scene.path_file.empty() || isHeld(scene) ? scene.duration_s : path.duration_s();
+}
+
 RunVolume volumeOf(const Volume& volume, double isovalue) {
   return {shownName(volume.facts()), volume.facts().format, volume.size(), volume.lattice().spacing_m,
           volume.minimum(),          volume.maximum(),      isovalue};
@@ -173,6 +180,7 @@ std::vector<std::string> outputFiles(const TouchRun& run, const OutputFolder& fo
   files.push_back(folder.file("summary.json").string());
   if (writesTrace(run)) files.push_back(folder.file("trace.csv").string());
   if (run.edits && run.edits->saves > 0) files.push_back(run.scene.save);
+  if (!run.scene.record.empty()) files.push_back(run.scene.record);
   return files;
 }
 
@@ -306,6 +314,7 @@ class TouchJob {
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
   std::unique_ptr<Device> device_;
+  RecordingDevice* recorder_ = nullptr;  // device_, if the session is recorded
   DeviceLimits limits_;
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
@@ -342,10 +351,10 @@ void TouchJob::compute() {
 
 void TouchJob::layPath() {
   path_ = stages_.run("path", "building the path", [&] {
-    if (isHeld(scene_)) return restingPath(box_.middle_W);
+    if (!hasPath(scene_)) return restingPath(box_.middle_W);
     return scriptedPath(scene_, *surface_);
   });
-  run_.scene.duration_s = scene_.path_file.empty() ? scene_.duration_s : path_->path.duration_s();
+  run_.scene.duration_s = durationOf(scene_, path_->path);
   checkRunLength(run_.scene, availableMemoryBytes());
   if (!run_.scene.press_depth_m) run_.scene.press_depth_m = path_->depth_m;
   if (!run_.scene.slide_length_m) run_.scene.slide_length_m = path_->slide_m;
@@ -356,7 +365,7 @@ void TouchJob::layPath() {
   const std::vector<std::string> start_notes = notesOnStart(objects_, path_->path.position(0));
   run_.notes.insert(run_.notes.end(), start_notes.begin(), start_notes.end());
   run_.object_outlines = objects_.outlines;
-  if (isHeld(scene_)) return;
+  if (!hasPath(scene_)) return;
   if (const auto note = noteOnPlaneAge(run_.scene, path_->path, *surface_)) warn(*note);
 }
 
@@ -383,6 +392,13 @@ void TouchJob::readyAlgorithm() {
 void TouchJob::readyDevice() {
   SceneDevice made = makeSceneDevice(scene_, path_->path, box_);
   device_ = std::move(made.device);
+  if (!scene_.record.empty()) {
+    const double reads = std::round(run_.scene.duration_s * scene_.rate_hz) + 2;  // one before the first tick
+    auto recorder =
+        std::make_unique<RecordingDevice>(std::move(device_), scene_.rate_hz, static_cast<std::size_t>(reads));
+    recorder_ = recorder.get();
+    device_ = std::move(recorder);
+  }
   if (!made.placement) return;
   settleStiffness(run_.scene, *device_);
   for (const std::string& warning : heldDeviceWords(run_.scene, *device_, *made.placement)) warn(warning);
@@ -421,6 +437,7 @@ void TouchJob::feel() {
   run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
   if (isHeld(scene_)) run_.device = heldDevice(scene_.device, *device_);
+  if (recorder_ != nullptr) saveRecording(scene_.record, recorder_->recording());
   device_.reset();  // its threads end; it was told to exert no force
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
@@ -431,7 +448,7 @@ void TouchJob::assess() {
   run_.stability = assessContact(run_.records, {.resolution_m = limits_.position_resolution_m,
                                                 .delay_ticks = limits_.force_delay_ticks,
                                                 .lacking_Ns_per_m = lackingDamping(run_.scene, limits_),
-                                                .path = isHeld(scene_) ? nullptr : &path_->path});
+                                                .path = hasPath(scene_) ? &path_->path : nullptr});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
   for (const auto& note :

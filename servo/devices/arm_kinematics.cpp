@@ -23,8 +23,7 @@ double ArmKinematics::radPerCount(std::size_t joint) const noexcept {
 
 Vec3 ArmKinematics::angles(const ArmCounts& counts) const noexcept {
   Vec3 angles;
-  for (std::size_t k = 0; k < 3; ++k)
-    angles[static_cast<int>(k)] = radPerCount(k) * static_cast<double>(counts[k]);
+  for (std::size_t k = 0; k < 3; ++k) angles[static_cast<int>(k)] = radPerCount(k) * static_cast<double>(counts[k]);
   return angles;
 }
 

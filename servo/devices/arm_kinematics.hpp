@@ -33,9 +33,9 @@ class ArmKinematics {
  public:
   ArmKinematics(const std::array<ArmJoint, 3>& joints, const Vec3& origin_m) : joints_(joints), origin_m_(origin_m) {}
 
-  [[nodiscard]] Vec3 angles(const ArmCounts& counts) const noexcept;                  // A, B, C
-  [[nodiscard]] Vec3 position(const Vec3& angles) const noexcept;                     // in A
-  [[nodiscard]] Eigen::Matrix3d jacobian(const Vec3& angles) const noexcept;          // of position, [m/rad]
+  [[nodiscard]] Vec3 angles(const ArmCounts& counts) const noexcept;                    // A, B, C
+  [[nodiscard]] Vec3 position(const Vec3& angles) const noexcept;                       // in A
+  [[nodiscard]] Eigen::Matrix3d jacobian(const Vec3& angles) const noexcept;            // of position, [m/rad]
   [[nodiscard]] Vec3 currents(const Vec3& force_A, const Vec3& angles) const noexcept;  // tau = J^T F, [A]
   // The force that currents exert; zero where the arm is stretched out and the Jacobian has no inverse.
   [[nodiscard]] Vec3 force(const Vec3& currents_A, const Vec3& angles) const noexcept;

@@ -8,6 +8,7 @@
 namespace palpate {
 
 [[nodiscard]] DeviceEntry simulatedEntry();
+[[nodiscard]] DeviceEntry recordedEntry();
 [[nodiscard]] DeviceEntry polhemEntry();
 [[nodiscard]] DeviceEntry spaceMouseEntry();
 

@@ -49,7 +49,12 @@ Parameters given(std::span<const ParameterRow<Parameters>> rows, const DeviceSet
 template <class Parameters, auto kMember>
 constexpr ParameterRow<Parameters> memberRow(std::string_view key, std::string_view unit, double lowest, double highest,
                                              std::string_view help) {
-  return {key, unit, lowest, highest, help, [](const Parameters& p) { return static_cast<double>(p.*kMember); },
+  return {key,
+          unit,
+          lowest,
+          highest,
+          help,
+          [](const Parameters& p) { return static_cast<double>(p.*kMember); },
           [](Parameters& p, double v) {
             using Value = std::remove_reference_t<decltype(p.*kMember)>;
             p.*kMember = static_cast<Value>(v);

@@ -19,12 +19,12 @@
 namespace palpate {
 
 struct Placement {
-  Vec3 at_W = Vec3::Zero();                             // where the middle of the device's workspace lies [m]
+  Vec3 at_W = Vec3::Zero();                            // where the middle of the device's workspace lies [m]
   Eigen::Matrix3d R_WD = Eigen::Matrix3d::Identity();  // the device's axes in the world; a rotation
-  double scale = 1;                                     // metres of the scene for one of the device
-  double force_scale = 1;                               // newtons of the device for one of the scene
-  bool clutch = true;                                   // the handle's switch is one
-  double edge_stiffness_N_per_m = 300;                  // at the handle, beyond the workspace; 0: no edge [N/m]
+  double scale = 1;                                    // metres of the scene for one of the device
+  double force_scale = 1;                              // newtons of the device for one of the scene
+  bool clutch = true;                                  // the handle's switch is one
+  double edge_stiffness_N_per_m = 300;                 // at the handle, beyond the workspace; 0: no edge [N/m]
 };
 
 // The axes with which a user looks at a patient's face: right is the patient's left (+x), up is superior (+z), towards

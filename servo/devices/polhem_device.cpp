@@ -52,6 +52,7 @@ LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use) {
   const auto bytes = static_cast<std::size_t>(p.report_bytes);
   return {.rest = polhemReport({}, bytes),
           .on_request = polhemReport({.count_from = homeOf(p)}, bytes),
+          .answer_ms = use.answer_ms,
           .thread_begins = use.thread_begins};
 }
 
@@ -197,8 +198,9 @@ void PolhemDevice::take(const Received& received) noexcept {
     const int leaps = leaps_;
     countOn(state->counts);
     const double way_m = (arm_.position(arm_.angles(counts_)) - position_A_).norm();
-    const double time_s = use_.simulated_clock ? silent_ticks_ / use_.rate_hz
-                                               : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
+    const double time_s = use_.simulated_clock
+                              ? silent_ticks_ / use_.rate_hz
+                              : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
     if (!(way_m <= kFastest_m_per_s * std::max(time_s, 1 / use_.rate_hz))) {
       countOne(implausible_);
       if (leaps + 1 < kMostLeaps) {

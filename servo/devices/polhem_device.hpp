@@ -4,8 +4,8 @@
 // Encoders count from where the device was when it was switched on. So the handle must be put into its home position
 // once, and the device be told to count from there: by its button, or by `palpate calibrate`. Until then, and after the
 // device came back from being unplugged, it exerts no force. The firmware keeps no currents when no report has come for
-// 0.5 s: that protects the hand from a program that died, and from a cable that is pulled while the arm has power of its
-// own. The servo takes a device that is not there as one that holds no force.
+// 0.5 s: that protects the hand from a program that died, and from a cable that is pulled while the arm has power of
+// its own. The servo takes a device that is not there as one that holds no force.
 //   Two firmwares with the same USB numbers drive amplifiers of 3 A and 6 A; a current above the amplifier's saturates
 // it. So forces stay off until the limit is given.
 //   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
@@ -46,6 +46,7 @@ struct PolhemUse {
   bool simulated_clock = false;
   double rate_hz = 1000;    // of the servo [Hz]
   bool calibrated = false;  // since it was switched on
+  int answer_ms = 10;       // an answer that takes longer counts as lost [ms]
   std::function<void()> thread_begins = {};
 };
 
@@ -85,8 +86,8 @@ class PolhemDevice final : public Device {
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
-  int leaps_ = 0;            // in a row
-  int asked_reports_ = 0;    // since the device was told to count from home
+  int leaps_ = 0;                                           // in a row
+  int asked_reports_ = 0;                                   // since the device was told to count from home
   bool calibrating_ = false;
   std::atomic<bool> calibrated_;
   std::atomic<std::uint64_t> garbage_{0}, implausible_{0}, calibrations_{0};

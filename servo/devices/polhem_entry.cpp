@@ -6,42 +6,57 @@
 namespace palpate {
 namespace {
 
-using P = PolhemParameters;
+using Arm = PolhemParameters;
 
 template <std::size_t kJoint, auto kMember>
-constexpr ParameterRow<P> joint(std::string_view key, std::string_view unit, double lowest, double highest,
-                                std::string_view help) {
-  return {key, unit, lowest, highest, help, [](const P& p) { return static_cast<double>(p.joints[kJoint].*kMember); },
-          [](P& p, double v) {
+constexpr ParameterRow<Arm> joint(std::string_view key, std::string_view unit, double lowest, double highest,
+                                  std::string_view help) {
+  return {key,
+          unit,
+          lowest,
+          highest,
+          help,
+          [](const Arm& p) { return static_cast<double>(p.joints[kJoint].*kMember); },
+          [](Arm& p, double v) {
             using Value = std::remove_reference_t<decltype(p.joints[kJoint].*kMember)>;
             p.joints[kJoint].*kMember = static_cast<Value>(v);
           }};
 }
 
 template <std::size_t kJoint>
-constexpr ParameterRow<P> home(std::string_view key, std::string_view unit, double lowest, double highest,
-                               std::string_view help) {
-  return {key, unit, lowest, highest, help, [](const P& p) { return static_cast<double>(p.home_counts[kJoint]); },
-          [](P& p, double v) { p.home_counts[kJoint] = static_cast<int>(v); }};
+constexpr ParameterRow<Arm> home(std::string_view key, std::string_view unit, double lowest, double highest,
+                                 std::string_view help) {
+  return {key,
+          unit,
+          lowest,
+          highest,
+          help,
+          [](const Arm& p) { return static_cast<double>(p.home_counts[kJoint]); },
+          [](Arm& p, double v) { p.home_counts[kJoint] = static_cast<int>(v); }};
 }
 
 template <int kAxis>
-constexpr ParameterRow<P> origin(std::string_view key, std::string_view unit, double lowest, double highest,
-                                 std::string_view help) {
-  return {key, unit, lowest, highest, help, [](const P& p) { return p.origin_m[kAxis]; },
-          [](P& p, double v) { p.origin_m[kAxis] = v; }};
+constexpr ParameterRow<Arm> origin(std::string_view key, std::string_view unit, double lowest, double highest,
+                                   std::string_view help) {
+  return {key,
+          unit,
+          lowest,
+          highest,
+          help,
+          [](const Arm& p) { return p.origin_m[kAxis]; },
+          [](Arm& p, double v) { p.origin_m[kAxis] = v; }};
 }
 
 // clang-format off
-constexpr ParameterRow<P> kPolhemRows[] = {
-    memberRow<P, &P::report_bytes>("report_bytes", "bytes", 14, 64, "size of its reports: 14, or 64 on Teensy boards"),
-    memberRow<P, &P::current_limit_A>("current_limit_A", "A", 0, 20, "what its firmware's amplifiers bear; 0: not known, and forces stay off"),
-    memberRow<P, &P::force_limit_N>("force_limit_N", "N", 0, 1000, "largest force at the handle"),
-    memberRow<P, &P::slew_limit_N_per_s>("slew_limit_N_per_s", "N/s", 0, 1e9, "fastest change of force, 0: not stated"),
-    memberRow<P, &P::stiffness_limit_N_per_m>("stiffness_limit_N_per_m", "N/m", 0, 1e6, "stiffest wall that its maker states, 0: not stated"),
-    memberRow<P, &P::workspace_radius_m>("workspace_radius_m", "m", 1e-3, 10, "radius of its workspace"),
-    memberRow<P, &P::mass_kg>("mass_kg", "kg", 1e-4, 100, "mass at the handle"),
-    memberRow<P, &P::damping_Ns_per_m>("damping_Ns_per_m", "N s/m", 0, 1e4, "viscous friction at the handle"),
+constexpr ParameterRow<Arm> kPolhemRows[] = {
+    memberRow<Arm, &Arm::report_bytes>("report_bytes", "bytes", 14, 64, "size of its reports: 14, or 64 on Teensy boards"),
+    memberRow<Arm, &Arm::current_limit_A>("current_limit_A", "A", 0, 20, "what its firmware's amplifiers bear; 0: not known, and forces stay off"),
+    memberRow<Arm, &Arm::force_limit_N>("force_limit_N", "N", 0, 1000, "largest force at the handle"),
+    memberRow<Arm, &Arm::slew_limit_N_per_s>("slew_limit_N_per_s", "N/s", 0, 1e9, "fastest change of force, 0: not stated"),
+    memberRow<Arm, &Arm::stiffness_limit_N_per_m>("stiffness_limit_N_per_m", "N/m", 0, 1e6, "stiffest wall that its maker states, 0: not stated"),
+    memberRow<Arm, &Arm::workspace_radius_m>("workspace_radius_m", "m", 1e-3, 10, "radius of its workspace"),
+    memberRow<Arm, &Arm::mass_kg>("mass_kg", "kg", 1e-4, 100, "mass at the handle"),
+    memberRow<Arm, &Arm::damping_Ns_per_m>("damping_Ns_per_m", "N s/m", 0, 1e4, "viscous friction at the handle"),
     joint<0, &ArmJoint::capstan_m>("capstan_a_m", "m", 1e-4, 1, "diameter of capstan a"),
     joint<0, &ArmJoint::body_m>("body_a_m", "m", 1e-3, 1, "diameter of the sector that capstan a drives"),
     joint<0, &ArmJoint::length_m>("length_a_m", "m", 1e-3, 10, "height of the axes of b and c over the foot"),
@@ -74,7 +89,7 @@ std::unique_ptr<Device> makePolhem(const DeviceSetup& setup) {
                       .rate_hz = setup.rate_hz,
                       .calibrated = setup.calibrated,
                       .thread_begins = setup.thread_begins};
-  return std::make_unique<PolhemDevice>(given<P>(kPolhemRows, setup), use, setup.open);
+  return std::make_unique<PolhemDevice>(given<Arm>(kPolhemRows, setup), use, setup.open);
 }
 
 }  // namespace

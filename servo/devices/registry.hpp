@@ -14,6 +14,7 @@
 
 #include "servo/devices/device.hpp"
 #include "servo/devices/path.hpp"
+#include "servo/devices/recording.hpp"
 #include "servo/devices/report_port.hpp"
 
 namespace palpate {
@@ -31,10 +32,11 @@ using DeviceValues = std::map<std::string, double, std::less<>>;  // by DevicePa
 
 // What a device is made from. Each takes what it needs.
 struct DeviceSetup {
-  const Path* path = nullptr;  // leads a device that no real hand moves; outlives the device
-  double rate_hz = 1000;       // of the servo [Hz]
-  DeviceValues values = {};    // parameters that are given; the others have their usual value
-  PortOpener open = {};        // for a device on a bus
+  const Path* path = nullptr;                            // leads a device that no real hand moves; outlives the device
+  double rate_hz = 1000;                                 // of the servo [Hz]
+  DeviceValues values = {};                              // parameters that are given; the others have their usual value
+  PortOpener open = {};                                  // for a device on a bus
+  std::shared_ptr<const Recording> recording = nullptr;  // to be played back
   bool simulated_clock = false;
   bool calibrated = false;                   // since it was switched on; for a device that must be
   std::function<void()> thread_begins = {};  // called first in each thread that the device has of its own

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/monotonic_clock.hpp"
-#include "base/units.hpp"
 #include "base/thread_names.hpp"
+#include "base/units.hpp"
 
 namespace palpate {
 namespace {
@@ -75,7 +75,9 @@ bool ReportLink::reopen() noexcept {
   return true;
 }
 
+// What the servo wanted of the device before it went away is nothing to begin with when it is back.
 void ReportLink::lose() noexcept {
+  lost_at_ns_ = monotonicNow_ns();
   connected_.store(false, std::memory_order_release);
   port_.reset();
   count(disconnects_);
@@ -91,8 +93,9 @@ const Report& ReportLink::outgoing() noexcept {
   const Command& command = commands_.latest();
   const double age_ns = static_cast<double>(monotonicNow_ns() - command.time_ns);
   const bool fresh = age_ns <= settings_.command_life_s * kNanosecondsPerSecond || !threaded_;
-  if (command.given && fresh) return command.report;
-  if (command.given) count(rests_);
+  const bool meant = command.given && command.time_ns > lost_at_ns_;
+  if (meant && fresh) return command.report;
+  if (meant) count(rests_);
   return settings_.rest;
 }
 

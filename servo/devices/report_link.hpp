@@ -17,6 +17,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -34,8 +35,8 @@ struct LinkSettings {
   int answer_ms = 10;            // an answer that takes longer counts as lost [ms]
   double reopen_s = 0.25;        // [s]
   double interval_s = 0;         // of the reports of a device that does not answer, while it moves; 0: not stated [s]
-  // What a report makes of what was known before, for a device whose reports tell a part each; empty: the report is all.
-  // False: it is no report of the device. Called by the link's thread.
+  // What a report makes of what was known before, for a device whose reports tell a part each; empty: the report is
+  // all. False: it is no report of the device. Called by the link's thread.
   std::function<bool(Report& known, const Report& report)> fold = {};
   // Whether more reports must follow what is known within the interval; empty: never.
   std::function<bool(const Report&)> moves = {};
@@ -109,6 +110,7 @@ class ReportLink {
   TripleBuffer<Command> commands_;
   std::atomic<bool> connected_{false}, asked_{false};
   Received last_;
+  std::int64_t lost_at_ns_ = std::numeric_limits<std::int64_t>::min();  // when the device went away last
   Counter written_{0}, lost_{0}, superseded_{0}, refused_{0}, rests_{0}, disconnects_{0}, reconnects_{0}, taken_{0};
   LatencyHistogram writes_;
   std::jthread thread_;  // last member: it uses the others

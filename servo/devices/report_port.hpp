@@ -46,7 +46,8 @@ class ReportPort {
 using PortOpener = std::function<std::unique_ptr<ReportPort>()>;
 
 inline bool Report::operator==(const Report& other) const noexcept {
-  return size == other.size && std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size), other.bytes.begin());
+  return size == other.size &&
+         std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size), other.bytes.begin());
 }
 
 }  // namespace palpate

@@ -12,7 +12,6 @@
 namespace palpate {
 namespace {
 
-
 const SpaceMouseParameters& checked(const SpaceMouseParameters& p) {
   checkSetting(p.fastest_m_per_s > 0, "speed of a full push", p.fastest_m_per_s, "give m/s above 0");
   checkSetting(p.dead_share >= 0 && p.dead_share < 1, "dead zone", p.dead_share, "give a share of 0 to below 1");
@@ -51,13 +50,16 @@ bool foldInto(Report& known, const Report& report) {
 }  // namespace
 
 SpaceMouseDevice::SpaceMouseDevice(const SpaceMouseParameters& parameters, const SpaceMouseUse& use, PortOpener open)
-    : parameters_(checked(parameters)), use_(use), link_(std::move(open), {.answers = false,
+    : parameters_(checked(parameters)),
+      use_(use),
+      link_(std::move(open), {.answers = false,
                               .interval_s = parameters.interval_s,
-                              .fold = [this](Report& known, const Report& report) {
-                                const bool told = foldInto(known, report);
-                                if (!told) garbage_.fetch_add(1, std::memory_order_relaxed);
-                                return told;
-                              },
+                              .fold =
+                                  [this](Report& known, const Report& report) {
+                                    const bool told = foldInto(known, report);
+                                    if (!told) garbage_.fetch_add(1, std::memory_order_relaxed);
+                                    return told;
+                                  },
                               .moves = isPushed,
                               .thread_begins = use.thread_begins}) {
   link_.start();

@@ -55,9 +55,9 @@ class SpaceMouseDevice final : public Device {
   std::atomic<std::uint64_t> garbage_{0};  // counted by the link's thread
   ReportLink link_;
   std::uint64_t seen_ = 0;
-  std::int64_t last_ns_ = 0;     // of the last read
+  std::int64_t last_ns_ = 0;  // of the last read
   double since_report_s_ = 0;
-  Vec3 push_D_ = Vec3::Zero();   // [m/s]
+  Vec3 push_D_ = Vec3::Zero();  // [m/s]
   Vec3 velocity_D_ = Vec3::Zero(), position_D_ = Vec3::Zero();
   std::uint32_t buttons_ = 0;
 };

@@ -16,9 +16,9 @@ namespace palpate {
 
 // What one report says. Parts that it says nothing of are empty.
 struct SpaceMouseState {
-  std::optional<std::array<std::int16_t, 3>> push{};   // along the device's x, y, z
-  std::optional<std::array<std::int16_t, 3>> turn{};   // about them
-  std::optional<std::uint32_t> buttons{};              // a bit each
+  std::optional<std::array<std::int16_t, 3>> push{};  // along the device's x, y, z
+  std::optional<std::array<std::int16_t, 3>> turn{};  // about them
+  std::optional<std::uint32_t> buttons{};             // a bit each
 
   bool operator==(const SpaceMouseState&) const = default;
 };

@@ -10,7 +10,6 @@
 #include <fstream>
 #include <memory>
 #include <optional>
-#include <random>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -27,7 +26,7 @@
 #include <unistd.h>
 
 #include "servo/devices/placed_device.hpp"
-#include "tests/servo/support/emulated_polhem.hpp"
+#include "tests/hid/emulated_reports.hpp"
 
 namespace palpate {
 namespace {
@@ -121,10 +120,10 @@ SampledPath pathOf(const Options& o) {
 }
 
 struct Look {
-  const char* usb;         // "1234:0006"
-  std::size_t bytes;       // of its reports
+  const char* usb;    // "1234:0006"
+  std::size_t bytes;  // of its reports
   const char* name;
-  const char* usage;       // of its report descriptor, as bytes
+  const char* usage;  // of its report descriptor, as bytes
 };
 
 Look lookOf(const std::string& device) {
@@ -141,8 +140,8 @@ std::string testbedText(const std::string& device, std::size_t number) {
   const std::string usb = fmt::format("/devices/pci0000:00/0000:00:14.0/usb1/1-{}", number + 1);
   const std::string interface = fmt::format("{}/1-{}:1.0", usb, number + 1);
   const std::string hid = fmt::format("{}/0003:{}:{}.{:04}", interface, vendor, product, number + 1);
-  const std::string descriptor = fmt::format("{}a101150026ff00750895{:02x}0901810295{:02x}09029102c0", look.usage,
-                                             look.bytes, look.bytes);
+  const std::string descriptor =
+      fmt::format("{}a101150026ff00750895{:02x}0901810295{:02x}09029102c0", look.usage, look.bytes, look.bytes);
   std::string hex = descriptor;
   std::erase(hex, ' ');
   std::string lower = vendor + product;
@@ -187,20 +186,20 @@ Socket listening(const std::string& file) {
   return socket;
 }
 
-// What went wrong on the way of an answer.
-enum class Fault { kNone, kLost, kGarbled, kShort, kDouble, kLate, kCount };
-
 class Emulated {
  public:
-  Emulated(const Options& options, std::string device, const std::string& sockets, std::size_t number,
-           const Path& path)
-      : options_(options), name_(std::move(device)), socket_(fmt::format("{}/hidraw{}", sockets, number)),
-        listener_(listening(socket_)), bits_(options.seed + static_cast<unsigned>(number)) {
+  Emulated(const Options& options, std::string device, const std::string& sockets, std::size_t number, const Path& path)
+      : options_(options),
+        name_(std::move(device)),
+        socket_(fmt::format("{}/hidraw{}", sockets, number)),
+        listener_(listening(socket_)) {
     parameters_.report_bytes = static_cast<int>(lookOf(name_).bytes == 64 ? 64 : 14);
     parameters_.current_limit_A = options.current_limit_A;
-    arm_ = std::make_unique<EmulatedPolhem>(parameters_, HandParameters{}, path, 1 / options.rate_hz,
-                                            options.calibrated);
+    arm_ =
+        std::make_unique<EmulatedPolhem>(parameters_, HandParameters{}, path, 1 / options.rate_hz, options.calibrated);
     if (options.asks) arm_->pressCalibration();
+    reports_of_ =
+        std::make_unique<EmulatedReports>(*arm_, options.faults, options.seed + static_cast<unsigned>(number));
   }
 
   [[nodiscard]] int listener() const { return listener_.get(); }
@@ -209,7 +208,6 @@ class Emulated {
   void accept() {
     Socket made(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC));
     connection_ = std::move(made);
-    late_.clear();
     if (answers()) send(arm_->state());
   }
 
@@ -224,8 +222,7 @@ class Emulated {
     report.size = static_cast<std::size_t>(got);
     ++reports_;
     if (!answers()) return;
-    for (const Report& late : std::exchange(late_, {})) send(late);
-    deliver(arm_->answer(report));
+    for (const Report& answer : reports_of_->answersTo(report)) send(answer);
     if (reports_ == options_.unplug_after) unplug();
   }
 
@@ -251,7 +248,7 @@ class Emulated {
       before = force;
     }
     return fmt::format("{} reports {} force_max_N {} force_rise_max_N {} faults {}\n", name_, reports_, largest_N,
-                       slew_N, faults_);
+                       slew_N, reports_of_->faults());
   }
 
  private:
@@ -260,39 +257,13 @@ class Emulated {
     if (connection_.get() >= 0)
       static_cast<void>(::send(connection_.get(), report.bytes.data(), report.size, MSG_NOSIGNAL | MSG_DONTWAIT));
   }
-  void deliver(Report answer) {
-    const double dice = std::uniform_real_distribution<double>(0, 1)(bits_);
-    Fault fault = Fault::kNone;
-    if (dice < options_.faults) fault = static_cast<Fault>(1 + bits_() % (static_cast<unsigned>(Fault::kCount) - 1));
-    if (fault != Fault::kNone) ++faults_;
-    switch (fault) {
-      case Fault::kLost:
-        return;
-      case Fault::kGarbled:
-        for (std::size_t i = 0; i < answer.size; ++i) answer.bytes[i] = static_cast<std::uint8_t>(bits_());
-        return send(answer);
-      case Fault::kShort:
-        answer.size = bits_() % answer.size;
-        return send(answer);
-      case Fault::kDouble:
-        send(answer);
-        return send(answer);
-      case Fault::kLate:
-        late_.push_back(answer);
-        return;
-      default:
-        return send(answer);
-    }
-  }
-
   const Options& options_;
   std::string name_, socket_;
   Socket listener_, connection_;
   PolhemParameters parameters_;
   std::unique_ptr<EmulatedPolhem> arm_;
-  std::mt19937 bits_;
-  std::vector<Report> late_;
-  int reports_ = 0, faults_ = 0;
+  std::unique_ptr<EmulatedReports> reports_of_;
+  int reports_ = 0;
   bool there_ = true;
 };
 

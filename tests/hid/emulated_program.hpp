@@ -34,8 +34,12 @@ class EmulatedHid : public ProgramTest {
 
   // A way along the surface, tick by tick, as a rigid hand goes it.
   void writeWay(const std::string& volume, double seconds, double depth_mm) const {
-    const Words touch = {"touch",     volume,    "--clock", "simulated", "--picture", "off", "--seconds",
-                         fmt::format("{}", seconds), "--depth", fmt::format("{}", depth_mm), "--out", "rigid"};
+    const Words touch = {"touch",     volume,
+                         "--clock",   "simulated",
+                         "--picture", "off",
+                         "--seconds", fmt::format("{}", seconds),
+                         "--depth",   fmt::format("{}", depth_mm),
+                         "--out",     "rigid"};
     ASSERT_EQ(run(touch).status, 0);
     std::string csv = "time_s,x_m,y_m,z_m\n";
     for (const TraceRow& row : readTrace(file("rigid") / "trace.csv").rows) {

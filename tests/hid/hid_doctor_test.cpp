@@ -38,10 +38,12 @@ TEST_F(HidDoctor, NamesEachReasonForNoForce) {
   expectOff(doctor({"--devices", "keyboard"}), "no haptic device is here");
   EXPECT_THAT(json()["findings"].dump(), HasSubstr("no haptic device that Palpate knows"));
   expectOff(doctor({"--devices", "none"}, polhem), "device polhem-v1: none of this machine's HID devices is one");
-  expectOff(doctor({"--devices", "gadget"}, polhem), "device polhem-v1: 1234:0006 \"A lamp\" at /dev/hidraw0 has its USB numbers, but");
+  expectOff(doctor({"--devices", "gadget"}, polhem),
+            "device polhem-v1: 1234:0006 \"A lamp\" at /dev/hidraw0 has its USB numbers, but");
   expectOff(doctor({}), "its USB numbers do not say which arm it is");
   expectOff(doctor({}, polhem), "nobody said what current the device's firmware is made for");
-  expectOff(doctor({"--uncalibrated"}, polhem + Words{"--current-limit", "3"}), "the device does not know where its handle is");
+  expectOff(doctor({"--uncalibrated"}, polhem + Words{"--current-limit", "3"}),
+            "the device does not know where its handle is");
   expectOff(doctor({"--devices", "polhem,teensy"}, polhem), "device polhem-v1: there are two");
 }
 
@@ -50,8 +52,8 @@ TEST_F(HidDoctor, NamesMissingRightsAndTheRuleThatGivesThem) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   std::filesystem::permissions(folder(), std::filesystem::perms::all);
   const Words as_nobody = {"setpriv", "--reuid=65534", "--clear-groups"};
-  const Outcome outcome = emulate({"--forbidden"}, as_nobody + Words{PALPATE_PROGRAM, "doctor", "--seconds", "0.2", "--json",
-                                                                  "d.json", "--device", "polhem-v1"});
+  const Outcome outcome = emulate({"--forbidden"}, as_nobody + Words{PALPATE_PROGRAM, "doctor", "--seconds", "0.2",
+                                                                     "--json", "d.json", "--device", "polhem-v1"});
   expectOff(outcome, "/dev/hidraw0: you have no right to use it; run 'palpate doctor --install-udev'");
   EXPECT_THAT(outcome.out, HasSubstr("and you may not use it; sudo palpate doctor --install-udev"));
   EXPECT_THAT(outcome.out, HasSubstr("note  real time"));
@@ -62,8 +64,8 @@ TEST_F(HidDoctor, NamesMissingRightsAndTheRuleThatGivesThem) {
 TEST_F(HidDoctor, CalibratesForLaterRuns) {
   const std::string program = PALPATE_PROGRAM;
   const std::string doctor = program + " doctor --seconds 0.2 --device polhem-v1 --current-limit 3";
-  const Outcome outcome =
-      emulate({"--uncalibrated"}, {"sh", "-c", doctor + "; " + program + " calibrate --device polhem-v1 --yes && " + doctor});
+  const Outcome outcome = emulate(
+      {"--uncalibrated"}, {"sh", "-c", doctor + "; " + program + " calibrate --device polhem-v1 --yes && " + doctor});
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("forces are off because the device does not know where its handle is"));
   EXPECT_THAT(outcome.out, HasSubstr("polhem-v1 counts from its home position until it is unplugged.\n"));
@@ -72,7 +74,8 @@ TEST_F(HidDoctor, CalibratesForLaterRuns) {
 
 TEST_F(HidDoctor, CalibratesOnlyWhatNeedsIt) {
   EXPECT_THAT(on({}, {"calibrate", "--device", "simulated"}).out, HasSubstr("simulated needs no calibration"));
-  expectRefusal(on({"--devices", "none"}, {"calibrate", "--device", "polhem-v1", "--yes"}), "device polhem-v1", "none of", 3);
+  expectRefusal(on({"--devices", "none"}, {"calibrate", "--device", "polhem-v1", "--yes"}), "device polhem-v1",
+                "none of", 3);
   EXPECT_EQ(on({}, {"calibrate"}).status, 2);
 }
 

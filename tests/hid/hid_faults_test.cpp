@@ -22,24 +22,39 @@ class HidFaults : public EmulatedHid {
     return a;
   }
   static Words pressing(const std::string& seconds) {
-    return {"touch",  "phantom:sphere?size=64", "--device", "polhem-v1",   "--place-at",      "0,0,0", "--place-scale", "1",
-            "--calibrated", "--current-limit", "3",        "--stiffness", "400",             "--clock", "simulated",   "--picture",
-            "off",    "--seconds",              seconds};
+    return {"touch",
+            "phantom:sphere?size=64",
+            "--device",
+            "polhem-v1",
+            "--place-at",
+            "0,0,0",
+            "--place-scale",
+            "1",
+            "--calibrated",
+            "--current-limit",
+            "3",
+            "--stiffness",
+            "400",
+            "--clock",
+            "simulated",
+            "--picture",
+            "off",
+            "--seconds",
+            seconds};
   }
 };
 
 // The force never rises by more than the slew limit of 4000 N/s allows in a tick, and what the motors can round.
 TEST_F(HidFaults, KeepTheForceSafe) {
   writeWay("phantom:sphere?size=64", 4, 2);
-  const Outcome outcome =
-      on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.05", "--log", "log"}, pressing("4"));
+  const Outcome outcome = on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.05", "--log", "log"}, pressing("4"));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Account a = account();
   EXPECT_GT(a.faults, 100);
   EXPECT_LE(a.force_max_N, 5.02);
   EXPECT_LE(a.force_rise_max_N, 4.02);
-  const double counted = figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible") +
-                         figure("reports_superseded");
+  const double counted =
+      figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible") + figure("reports_superseded");
   EXPECT_GT(counted, 0.5 * a.faults);
 }
 

@@ -71,25 +71,57 @@ TEST_F(HidTouch, DrillsAScanAsTheSimulatedDeviceDoes) {
   if (head == scans.end()) GTEST_SKIP() << "no scans: PALPATE_DATA names their folder";
   writeWay(head->string(), 1, 1);
   const Vec3 start_mm = 1e3 * readTrace(file("rigid") / "trace.csv").rows.front().hip_W();
-  const Difference d = compare(head->string(), start_mm,
-                               {"--stiffness", "400", "--edit", "remove:radius=2mm:rate=20"});
+  const Difference d = compare(head->string(), start_mm, {"--stiffness", "400", "--edit", "remove:radius=2mm:rate=20"});
   EXPECT_GT(d.contact_ticks, 200U);
   EXPECT_LE(d.position_m, 2 * kResolution_m);
   EXPECT_GT(summary()["edits"]["count"].get<int>(), 10);
 }
 
 TEST_F(HidTouch, IsTheSameBitForBit) {
-  const Words touch = {"touch", "phantom:sphere?size=32", "--device", "polhem-v1", "--place-scale", "1", "--calibrated",
-                       "--current-limit", "3", "--seconds", "0.5", "--clock", "simulated", "--picture", "off"};
+  const Words touch = {"touch",
+                       "phantom:sphere?size=32",
+                       "--device",
+                       "polhem-v1",
+                       "--place-scale",
+                       "1",
+                       "--calibrated",
+                       "--current-limit",
+                       "3",
+                       "--seconds",
+                       "0.5",
+                       "--clock",
+                       "simulated",
+                       "--picture",
+                       "off"};
   EXPECT_EQ(on({}, touch + Words{"--out", "one"}).status, 0);
   EXPECT_EQ(on({}, touch + Words{"--out", "two"}).status, 0);
   EXPECT_EQ(contentsOf(file("one") / "trace.csv"), contentsOf(file("two") / "trace.csv"));
 }
 
+// What was recorded of a session feels the same without the device, bit for bit, as often as one likes.
+TEST_F(HidTouch, IsPlayedBackBitForBit) {
+  writeWay("phantom:sphere?size=32", 1, 1);
+  const Words common = {"--clock", "simulated", "--picture", "off", "--stiffness", "400"};
+  const Words touch = {"touch", "phantom:sphere?size=32"};
+  const Outcome session =
+      on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.01"},
+         touch +
+             Words{"--device", "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1", "--calibrated",
+                   "--current-limit", "3", "--seconds", "1", "--record", "s.rec", "--out", "session"} +
+             common);
+  ASSERT_EQ(session.status, 0) << session.err;
+  for (const char* out : {"one", "two"}) {
+    const Outcome again = run(touch + Words{"--device", "recorded", "--recording", "s.rec", "--out", out} + common);
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(contentsOf(file(out) / "trace.csv"), contentsOf(file("session") / "trace.csv"));
+  }
+  EXPECT_LT(std::filesystem::file_size(file("s.rec")), 1000U * 40U);
+}
+
 // In real time the link's thread keeps the reports flowing; nothing here depends on how fast.
 TEST_F(HidTouch, TouchesInRealTime) {
-  const Outcome outcome = on({}, {"touch", "phantom:sphere?size=32", "--device", "polhem-v1", "--calibrated", "--current-limit", "3",
-                                  "--seconds", "0.5", "--picture", "off"});
+  const Outcome outcome = on({}, {"touch", "phantom:sphere?size=32", "--device", "polhem-v1", "--calibrated",
+                                  "--current-limit", "3", "--seconds", "0.5", "--picture", "off"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_GT(figure("reports_received"), 10);
   EXPECT_GE(figure("reports_written"), figure("reports_received") - 1);
@@ -107,13 +139,16 @@ TEST_F(HidTouch, SaysWhyThereIsNoDevice) {
   expectRefusal(on({"--devices", "polhem,teensy"}, touch), "device polhem-v1", "there are two", 2);
   expectRefusal(on({"--devices", "keyboard"}, touch + Words{"--device-path", "/dev/hidraw0"}), "/dev/hidraw0",
                 "the device there is no polhem-v1", 2);
-  EXPECT_EQ(on({"--devices", "polhem,teensy"}, touch + Words{"--device-path", "/dev/hidraw1", "--seconds", "0.1"}).status,
-            0);
+  EXPECT_EQ(
+      on({"--devices", "polhem,teensy"}, touch + Words{"--device-path", "/dev/hidraw1", "--seconds", "0.1"}).status, 0);
 }
 
 TEST_F(HidTouch, SaysWhyTheForcesAreOff) {
-  const Words touch = {"touch",   "phantom:sphere?size=16", "--device", "polhem-v1", "--clock",
-                       "simulated", "--seconds", "0.1", "--picture", "off"};
+  const Words touch = {"touch",     "phantom:sphere?size=16",
+                       "--device",  "polhem-v1",
+                       "--clock",   "simulated",
+                       "--seconds", "0.1",
+                       "--picture", "off"};
   const Outcome no_limit = on({}, touch + Words{"--calibrated"});
   EXPECT_EQ(no_limit.status, 0);
   EXPECT_THAT(no_limit.err, HasSubstr("forces are off because nobody said what current"));

@@ -11,8 +11,8 @@
 
 #include "servo/devices/arm_kinematics.hpp"
 #include "servo/devices/polhem_device.hpp"
-#include "tests/support/refusal.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace device_table_test {
@@ -100,12 +100,13 @@ TEST(DeviceTable, BringsKindsThatCanBe) {
     std::array<ArmJoint, 3> joints;
     for (int k = 0; k < 3; ++k) {
       const std::string joint(1, "abc"[k]);
-      joints[static_cast<std::size_t>(k)] = {value("capstan_" + joint + "_m"),       value("body_" + joint + "_m"),
-                                             value("length_" + joint + "_m"),        value("torque_" + joint + "_Nm_per_A"),
-                                             value("counts_" + joint),               value("aligned_" + joint) > 0};
+      joints[static_cast<std::size_t>(k)] = {value("capstan_" + joint + "_m"), value("body_" + joint + "_m"),
+                                             value("length_" + joint + "_m"),  value("torque_" + joint + "_Nm_per_A"),
+                                             value("counts_" + joint),         value("aligned_" + joint) > 0};
     }
     const ArmKinematics arm(joints, {value("origin_x_m"), value("origin_y_m"), value("origin_z_m")});
-    const ArmCounts home = {std::int64_t(value("home_a")), std::int64_t(value("home_b")), std::int64_t(value("home_c"))};
+    const ArmCounts home = {std::int64_t(value("home_a")), std::int64_t(value("home_b")),
+                            std::int64_t(value("home_c"))};
     EXPECT_LT(arm.position(arm.angles(home)).norm(), 0.6) << kind.name;
     EXPECT_TRUE(arm.anglesAt(Vec3::Zero())) << kind.name;  // the workspace's middle is within reach
     EXPECT_GT(value("force_limit_N"), 0);

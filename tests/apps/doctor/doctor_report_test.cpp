@@ -12,16 +12,30 @@ using Json = nlohmann::json;
 
 Diagnosis sample() {
   Diagnosis d;
-  d.hid.push_back({.device = {.path = "/dev/hidraw0", .vendor = 0x1234, .product = 6, .usage_page = 0xFFAB, .usage = 0x200,
-                              .name = "Polhem", .serial = "7"},
+  d.hid.push_back({.device = {.path = "/dev/hidraw0",
+                              .vendor = 0x1234,
+                              .product = 6,
+                              .usage_page = 0xFFAB,
+                              .usage = 0x200,
+                              .name = "Polhem",
+                              .serial = "7"},
                    .kinds = {"polhem-v1"},
                    .may_use = true});
   d.findings = {{Finding::State::kGood, "device", "it answers", ""},
                 {Finding::State::kNote, "servo", "late", "hurry"},
                 {Finding::State::kBad, "HID", "forbidden", "ask"}};
-  d.trial = TrialFigures{.rate_hz = 1000, .seconds = 5, .late_p50_us = 1, .late_p99_us = 2, .late_max_us = 3,
-                         .skipped_share = 0.25, .fifo = true, .reports_per_s = 900, .failed_share = 0.5,
-                         .motion_m = 0.01, .figures = {{"reports_lost", 4}}, .force_off = ForceOff::kUncalibrated};
+  d.trial = TrialFigures{.rate_hz = 1000,
+                         .seconds = 5,
+                         .late_p50_us = 1,
+                         .late_p99_us = 2,
+                         .late_max_us = 3,
+                         .skipped_share = 0.25,
+                         .fifo = true,
+                         .reports_per_s = 900,
+                         .failed_share = 0.5,
+                         .motion_m = 0.01,
+                         .figures = {{"reports_lost", 4}},
+                         .force_off = ForceOff::kUncalibrated};
   d.device = "polhem-v1";
   d.verdict = "forces are off because of this; do that";
   return d;

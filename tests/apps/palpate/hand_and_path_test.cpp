@@ -87,7 +87,8 @@ TEST_F(HandAndPath, SecondsHaveNoEffectWithAPathFile) {
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(errorLines(outcome.err),
-                testing::ElementsAre("palpate: --seconds has no effect: the run is as long as the path of --path"));
+                testing::ElementsAre(
+                    "palpate: --seconds has no effect: the run is as long as the path of --path, or the recording"));
     EXPECT_EQ(readTrace(file("out/trace.csv")).rows.size(), 100U);
   }
 }
@@ -127,6 +128,31 @@ TEST_F(HandAndPath, FlagsThatNothingUsesAreTold) {
   ASSERT_EQ(told.size(), 2U) << outcome.err;
   EXPECT_THAT(told[0], testing::StartsWith("palpate: --texture-amplitude has no effect: "));
   EXPECT_THAT(told[1], testing::StartsWith("palpate: --hand-mass has no effect: "));
+}
+
+class Recorded : public ProgramTest {};
+
+TEST_F(Recorded, ASimulatedSessionIsPlayedBackBitForBit) {
+  expectSuccess(run(quickTouch("phantom:sphere?size=24", {"--hand", "spring", "--record", "s.rec"})));
+  const std::string trace = contentsOf(file("out") / "trace.csv");
+  expectSuccess(run({"touch", "phantom:sphere?size=24", "--device", "recorded", "--recording", "s.rec", "--clock",
+                     "simulated", "--picture", "off", "--out", "again"}));
+  EXPECT_EQ(contentsOf(file("again") / "trace.csv"), trace);
+}
+
+TEST_F(Recorded, RefusesWhatCannotBePlayed) {
+  const Words touch = {"touch", "phantom:sphere?size=16", "--device", "recorded"};
+  expectRefusal(run(touch), "--device recorded", "no recording is given", 2);
+  expectRefusal(run(touch + Words{"--recording", "none.rec"}), "none.rec", "cannot be opened", 3);
+  write("text.rec", "no recording");
+  expectRefusal(run(touch + Words{"--recording", "text.rec"}), "text.rec", "it is no recording of a device", 2);
+  expectSuccess(run(quickTouch("phantom:sphere?size=16", {"--record", "s.rec"})));
+  expectRefusal(run(touch + Words{"--recording", "s.rec", "--rate", "500"}), "device recorded",
+                "it was recorded at 1000 Hz, and the servo runs at 500 Hz", 2);
+  const std::string bytes = contentsOf(file("s.rec"));
+  expectRefusal(run(touch + Words{"--recording", "s.rec", "--record", "s.rec"}), "s.rec", "it would be overwritten", 2);
+  EXPECT_EQ(contentsOf(file("s.rec")), bytes);
+  expectRefusal(run(quickTouch("phantom:sphere?size=16", {"--record", "none/s.rec"})), "none/s.rec", "", 4);
 }
 
 }  // namespace hand_and_path_test

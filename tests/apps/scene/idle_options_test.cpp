@@ -69,6 +69,8 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
        },
        [](Scene& s) { s.spring_hand = true; },
        {"--hand-mass", "--device-mass"}},
+      {standard, [](Scene& s) { s.device = "recorded"; }, {"--recording"}},
+      {[](Scene& s) { s.device = "recorded"; }, standard, {"--path", "--seconds", "--toward"}},
       {standard,
        [](Scene& s) { s.device = "polhem-v1"; },
        {"--device-path", "--hid", "--calibrated", "--current-limit", "--place-at", "--place-turn", "--place-scale",

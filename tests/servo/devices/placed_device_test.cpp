@@ -16,8 +16,11 @@ class Handle final : public Device {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "handle"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
-    return {.force_limit_N = 6, .position_resolution_m = 1e-5, .slew_limit_N_per_s = 600,
-            .stiffness_limit_N_per_m = 900, .workspace_radius_m = 0.1};
+    return {.force_limit_N = 6,
+            .position_resolution_m = 1e-5,
+            .slew_limit_N_per_s = 600,
+            .stiffness_limit_N_per_m = 900,
+            .workspace_radius_m = 0.1};
   }
   [[nodiscard]] std::vector<HandParameters> hands() const override { return {HandParameters{}}; }
   [[nodiscard]] bool read(Vec3& p) noexcept override {
@@ -52,7 +55,9 @@ struct Placed {
 };
 
 Placement anyPlacement(Seeded& random) {
-  return {.at_W = random.inCube(0.3), .R_WD = random.axes(false), .scale = random.logBetween(0.05, 20),
+  return {.at_W = random.inCube(0.3),
+          .R_WD = random.axes(false),
+          .scale = random.logBetween(0.05, 20),
           .force_scale = random.logBetween(0.1, 10)};
 }
 
@@ -145,11 +150,10 @@ TEST(PlacedDevice, RefusesWhatIsNoPlacement) {
   Eigen::Matrix3d mirrored = Eigen::Matrix3d::Identity();
   mirrored(0, 0) = -1;
   const double nan = std::nan("");
-  for (const Placement& p : {Placement{.scale = 0}, Placement{.scale = -1}, Placement{.scale = INFINITY},
-                             Placement{.force_scale = 0}, Placement{.force_scale = nan},
-                             Placement{.at_W = Vec3(nan, 0, 0)}, Placement{.R_WD = mirrored},
-                             Placement{.R_WD = 2 * Eigen::Matrix3d::Identity()},
-                             Placement{.edge_stiffness_N_per_m = -1}})
+  for (const Placement& p :
+       {Placement{.scale = 0}, Placement{.scale = -1}, Placement{.scale = INFINITY}, Placement{.force_scale = 0},
+        Placement{.force_scale = nan}, Placement{.at_W = Vec3(nan, 0, 0)}, Placement{.R_WD = mirrored},
+        Placement{.R_WD = 2 * Eigen::Matrix3d::Identity()}, Placement{.edge_stiffness_N_per_m = -1}})
     EXPECT_THROW(PlacedDevice(std::make_unique<Handle>(), p), Error);
 }
 

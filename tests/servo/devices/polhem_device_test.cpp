@@ -24,7 +24,8 @@ PolhemParameters known() {
 
 // From 2 cm above to 1 cm below the middle of the workspace, then sideways.
 const SampledPath& press() {
-  static const SampledPath path({0, 1, 2, 3}, {Vec3(0, 0.02, 0), Vec3(0, -0.01, 0), Vec3(0.03, -0.01, 0.02), Vec3(0, 0.02, 0)},
+  static const SampledPath path({0, 1, 2, 3},
+                                {Vec3(0, 0.02, 0), Vec3(0, -0.01, 0), Vec3(0.03, -0.01, 0.02), Vec3(0, 0.02, 0)},
                                 SampledPath::Interpolation::kCubic);
   return path;
 }
@@ -201,6 +202,19 @@ TEST(PolhemDevice, TellsThatItIsUnpluggedAndComesBackWithoutForce) {
   EXPECT_EQ(bench.figure("disconnects"), 1);
   EXPECT_EQ(bench.figure("reconnects"), 1);
   EXPECT_EQ(bench.figure("reports_implausible"), 0);
+}
+
+// What was wanted before the cable was pulled is not what the device gets first when it is back.
+TEST(PolhemDevice, GetsNoOldCommandWhenItIsBack) {
+  Bench bench(rest());
+  bench.pass(5, Vec3(0, 1, 0));
+  EXPECT_TRUE(bench.device.write(Vec3(0, 1, 0)));
+  bench.cable.unplugged = true;
+  bench.device.elapse(1);
+  bench.emulated.restart();
+  bench.cable.unplugged = false;
+  bench.device.elapse(1);  // opens it, and writes before the servo has said anything
+  EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero());
 }
 
 // It was switched off and on without the host's noticing: it counts from 0, elsewhere than the handle is.

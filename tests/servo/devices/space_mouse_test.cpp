@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reports of both layouts as bytes, and the motion that they make.
-#include "servo/devices/space_mouse_device.hpp"
-
 #include <atomic>
 #include <cmath>
 #include <deque>
@@ -11,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "servo/devices/space_mouse_device.hpp"
 #include "servo/devices/space_mouse_report.hpp"
 
 namespace palpate {
@@ -103,7 +102,9 @@ double figure(const Device& device, std::string_view key) {
 
 void awaitReports(const SpaceMouseDevice& device, double count) {
   for (int i = 0; i < 5000 && figure(device, "reports_received") + figure(device, "reports_superseded") +
-                                      figure(device, "reports_garbled") < count; ++i)
+                                      figure(device, "reports_garbled") <
+                                  count;
+       ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 

@@ -14,7 +14,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "servo/devices/placed_device.hpp"
 #include "servo/loop/servo_loop.hpp"
+#include "support/emulated_polhem.hpp"
 #include "support/touch_scene.hpp"
 #include "support/troubled.hpp"
 
@@ -41,26 +43,58 @@ bool allowOnlySleepClockAndExit() {
 
 class GuardedDevice final : public Device {
  public:
-  GuardedDevice(const Path& path, bool troubled, bool calls) : inner_(path, troubled), calls_(calls) {}
+  GuardedDevice(const Path& path, bool troubled, bool calls)
+      : GuardedDevice(std::make_unique<TroubledDevice>(path, troubled), calls) {}
+  explicit GuardedDevice(std::unique_ptr<Device> inner, bool calls = false) : inner_(std::move(inner)), calls_(calls) {}
   [[nodiscard]] std::string_view name() const noexcept override { return "guarded"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return inner_.limits(); }
-  void elapse(int ticks) noexcept override { inner_.elapse(ticks); }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return inner_->limits(); }
+  [[nodiscard]] DeviceBoundary boundary() const noexcept override { return inner_->boundary(); }
+  void elapse(int ticks) noexcept override { inner_->elapse(ticks); }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
     if (++reads_ == 2 && !allowOnlySleepClockAndExit()) _exit(kNoSeccomp);
     if (calls_ && reads_ == kTicks / 2) static_cast<void>(syscall(SYS_getpid));
-    return inner_.read(position_W);
+    return inner_->read(position_W);
   }
-  [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return inner_.reportAge_ns(); }
+  [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return inner_->reportAge_ns(); }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override {
     if (reads_ == kTicks) _exit(kClean);
-    return inner_.write(force_W);
+    return inner_->write(force_W);
   }
 
  private:
-  TroubledDevice inner_;
+  std::unique_ptr<Device> inner_;
   bool calls_;
   int reads_ = 0;
 };
+
+// A Polhem on an emulated cable: its link's thread may make calls, the servo's may not.
+int runChildWithPolhem() {
+  const pid_t child = fork();
+  if (child == 0) {
+    TouchScene scene(0.2);
+    PolhemParameters parameters;
+    parameters.current_limit_A = 3;
+    EmulatedPolhem emulated(parameters, {}, scene.path, 1e-3);
+    EmulatedCable cable(emulated);
+    GuardedDevice device(std::make_unique<PlacedDevice>(
+        std::make_unique<PolhemDevice>(parameters, PolhemUse{.calibrated = true}, cable.opener()),
+        Placement{.at_W = TouchScene::above(0)}));
+    LoopParameters p;
+    p.ticks = 0;
+    p.record_ticks = kTicks;
+    ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+    scene.publish(TouchScene::above(0), monotonicNow_ns());
+    loop.start();
+    while (loop.running()) {
+      scene.windows.confirm(monotonicNow_ns());
+      sleepUntil(monotonicNow_ns() + 300'000);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return status;
+}
 
 // The wait status of a child that runs the loop.
 int runChild(std::string_view algorithm, bool device_calls, bool troubled = false, bool changing = false) {
@@ -121,6 +155,12 @@ TEST_F(SystemCallGuard, TheServoThreadOnlySleepsInTrouble) {
 
 TEST_F(SystemCallGuard, TheServoThreadOnlySleepsWhileItIsChanged) {
   const int status = runChild("hri", false, false, true);
+  ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), kClean);
+}
+
+TEST_F(SystemCallGuard, TheServoThreadOnlySleepsBesideAPolhem) {
+  const int status = runChildWithPolhem();
   ASSERT_TRUE(WIFEXITED(status)) << "killed by signal " << WTERMSIG(status);
   EXPECT_EQ(WEXITSTATUS(status), kClean);
 }

@@ -43,6 +43,8 @@ class EmulatedPolhem {
     currents_A_.setZero();
   }
   void pressCalibration() { asks_ = true; }
+  // The same where the handle is near its home position: it counts as if it had been exactly there before.
+  void recalibrate() { asks_ = nears_home_ = true; }
   void press(bool pressed) { pressed_ = pressed; }
 
   [[nodiscard]] Report state() const {
@@ -57,8 +59,13 @@ class EmulatedPolhem {
   // A report as it arrives, with its number in front; the answer. Moves time on by one tick.
   Report answer(const Report& report) {
     silent_s_ = 0;
-    const auto command = parsePolhemCommand(report.content().subspan(1), static_cast<std::size_t>(parameters_.report_bytes));
-    if (command && command->count_from) {
+    const auto command =
+        parsePolhemCommand(report.content().subspan(1), static_cast<std::size_t>(parameters_.report_bytes));
+    if (command && command->count_from && nears_home_) {
+      offset_ = {};
+      asks_ = nears_home_ = false;
+      currents_A_.setZero();
+    } else if (command && command->count_from) {
       const ArmCounts now = trueCounts();
       for (std::size_t k = 0; k < 3; ++k) offset_[k] = (*command->count_from)[k] - now[k];
       asks_ = false;
@@ -106,7 +113,7 @@ class EmulatedPolhem {
   HandDynamics::State state_;
   std::array<std::int64_t, 3> offset_{};
   Vec3 currents_A_ = Vec3::Zero();
-  bool asks_ = false, pressed_ = false;
+  bool asks_ = false, pressed_ = false, nears_home_ = false;
   std::vector<Vec3> forces_D_;
 };
 

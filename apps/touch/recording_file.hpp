@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/touch/recording_file.hpp: recordings of devices as files (docs/recording.md). Set-up code; any thread.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "apps/scene/scene.hpp"
+#include "servo/devices/recording.hpp"
+
+namespace palpate {
+
+// Throws Error: kNotFound for a file that cannot be opened; kBadInput as readRecording() does, and without a name.
+[[nodiscard]] std::shared_ptr<const Recording> loadRecording(const std::string& file);
+
+// How long the scene's recording is [s]. Throws as above.
+[[nodiscard]] double recordedDuration_s(const Scene& scene);
+
+// Whole or not at all. Throws Error(kIo).
+void saveRecording(const std::string& file, const Recording& recording);
+
+}  // namespace palpate

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/recording.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "base/crc32c.hpp"
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "recordings hold the low byte first");
+
+constexpr std::string_view kMagic = "PALPREC1";
+constexpr std::size_t kBlockTicks = 4096;
+constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
+                       kElapsed = 128;
+constexpr std::int32_t kUsualElapsed = 1;
+constexpr double kMostRate_hz = 20000;  // ServoLoop's
+constexpr int kMostDelay_ticks = 10000;
+
+template <class T>
+void put(std::string& bytes, const T& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+void put(std::string& bytes, const Vec3& v) {
+  for (const double x : v) put(bytes, x);
+}
+
+// Takes values from the front of bytes; after a take that found too few, all are none.
+class Taker {
+ public:
+  explicit Taker(std::string_view bytes) : left_(bytes) {}
+  template <class T>
+  T take() {
+    T value{};
+    const std::string_view bytes = takeBytes(sizeof value);
+    if (bytes.size() == sizeof value) std::memcpy(&value, bytes.data(), sizeof value);
+    return value;
+  }
+  Vec3 takeVector() {
+    const double x = take<double>(), y = take<double>(), z = take<double>();
+    return {x, y, z};
+  }
+  std::string_view takeBytes(std::size_t count) {
+    failed_ = failed_ || count > left_.size();
+    if (failed_) return {};
+    const std::string_view taken = left_.substr(0, count);
+    left_.remove_prefix(count);
+    return taken;
+  }
+  [[nodiscard]] bool failed() const { return failed_; }
+  [[nodiscard]] std::string_view left() const { return left_; }
+
+ private:
+  std::string_view left_;
+  bool failed_ = false;
+};
+
+std::string headerBytes(const Recording& r) {
+  std::string bytes;
+  put(bytes, r.rate_hz);
+  for (const double limit : {r.limits.force_limit_N, r.limits.position_resolution_m, r.limits.slew_limit_N_per_s,
+                             r.limits.stiffness_limit_N_per_m, r.limits.workspace_radius_m})
+    put(bytes, limit);
+  put(bytes, static_cast<std::int32_t>(r.limits.force_delay_ticks));
+  put(bytes, static_cast<std::uint8_t>(r.limits.follows_force));
+  put(bytes, static_cast<std::uint8_t>(r.hands.size()));
+  for (const HandParameters& h : r.hands) {
+    for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
+                               h.device_damping_Ns_per_m})
+      put(bytes, value);
+  }
+  put(bytes, static_cast<std::uint16_t>(r.device.size()));
+  return bytes + r.device;
+}
+
+bool sameBits(const Vec3& a, const Vec3& b) {
+  return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0;
+}
+
+void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W) {
+  const bool moved = !sameBits(tick.position_W, before_W);
+  const bool edge = tick.boundary.stored_J != 0 || !tick.boundary.force_W.isZero(0);
+  const auto flag = [](bool on, std::uint8_t bit) { return on ? bit : std::uint8_t{0}; };
+  put(bytes, static_cast<std::uint8_t>(flag(tick.answered, kAnswered) | flag(moved, kMoved) |
+                                       flag(tick.report_age_ns != 0, kAged) | flag(tick.taken, kTaken) |
+                                       flag(tick.held_differs, kHeld) | flag(edge, kEdge) |
+                                       flag(tick.pressed, kSwitchOn) |
+                                       flag(tick.elapsed_ticks != kUsualElapsed, kElapsed)));
+  if (tick.elapsed_ticks != kUsualElapsed) put(bytes, tick.elapsed_ticks);
+  if (moved) put(bytes, tick.position_W);
+  if (tick.report_age_ns != 0) put(bytes, tick.report_age_ns);
+  if (tick.held_differs) put(bytes, tick.held_W);
+  if (edge) put(bytes, tick.boundary.force_W);
+  if (edge) put(bytes, tick.boundary.stored_J);
+}
+
+RecordedTick takeTick(Taker& taker, Vec3& position_W) {
+  RecordedTick tick;
+  const auto flags = taker.take<std::uint8_t>();
+  const auto has = [&](std::uint8_t bit) { return (flags & bit) != 0; };
+  tick.answered = has(kAnswered);
+  tick.taken = has(kTaken);
+  tick.pressed = has(kSwitchOn);
+  tick.held_differs = has(kHeld);
+  tick.elapsed_ticks = has(kElapsed) ? taker.take<std::int32_t>() : kUsualElapsed;
+  if (has(kMoved)) position_W = taker.takeVector();
+  tick.position_W = position_W;
+  if (has(kAged)) tick.report_age_ns = taker.take<std::int64_t>();
+  if (has(kHeld)) tick.held_W = taker.takeVector();
+  if (has(kEdge)) {
+    tick.boundary.force_W = taker.takeVector();
+    tick.boundary.stored_J = taker.take<double>();
+  }
+  return tick;
+}
+
+bool canBe(const RecordedTick& tick) {
+  return tick.elapsed_ticks >= 0 && tick.report_age_ns >= 0 && tick.held_W.allFinite() &&
+         tick.boundary.force_W.allFinite() && std::isfinite(tick.boundary.stored_J);
+}
+
+// Empty: the block is damaged.
+std::optional<std::vector<RecordedTick>> ticksOf(std::string_view block, std::uint32_t count, Vec3& position_W) {
+  Taker taker(block);
+  std::vector<RecordedTick> ticks;
+  for (std::uint32_t i = 0; i < count && !taker.failed(); ++i) {
+    ticks.push_back(takeTick(taker, position_W));
+    if (!canBe(ticks.back())) return {};
+  }
+  if (taker.failed() || !taker.left().empty()) return {};
+  return ticks;
+}
+
+bool canBe(const Recording& r) {
+  const DeviceLimits& l = r.limits;
+  bool can = r.rate_hz >= 1 && r.rate_hz <= kMostRate_hz && l.force_delay_ticks >= 0 &&
+             l.force_delay_ticks <= kMostDelay_ticks;
+  for (const double limit : {l.force_limit_N, l.position_resolution_m, l.slew_limit_N_per_s, l.stiffness_limit_N_per_m,
+                             l.workspace_radius_m})
+    can = can && limit >= 0 && std::isfinite(limit);
+  for (const HandParameters& h : r.hands) {
+    for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
+                               h.device_damping_Ns_per_m})
+      can = can && value >= 0 && std::isfinite(value);
+    can = can && h.hand_mass_kg + h.device_mass_kg > 0;
+  }
+  return can;
+}
+
+Recording takeHeader(Taker& taker) {
+  Recording r;
+  r.rate_hz = taker.take<double>();
+  for (double* limit : {&r.limits.force_limit_N, &r.limits.position_resolution_m, &r.limits.slew_limit_N_per_s,
+                        &r.limits.stiffness_limit_N_per_m, &r.limits.workspace_radius_m})
+    *limit = taker.take<double>();
+  r.limits.force_delay_ticks = taker.take<std::int32_t>();
+  r.limits.follows_force = taker.take<std::uint8_t>() != 0;
+  r.hands.resize(taker.take<std::uint8_t>());
+  for (HandParameters& h : r.hands) {
+    for (double* value : {&h.hand_mass_kg, &h.hand_damping_Ns_per_m, &h.hand_stiffness_N_per_m, &h.device_mass_kg,
+                          &h.device_damping_Ns_per_m})
+      *value = taker.take<double>();
+  }
+  r.device = taker.takeBytes(taker.take<std::uint16_t>());
+  return r;
+}
+
+}  // namespace
+
+std::int64_t Recording::gridTicks() const noexcept {
+  std::int64_t sum = 0;
+  for (const RecordedTick& tick : ticks) sum += tick.elapsed_ticks;
+  return sum + 1;
+}
+
+std::string recordingBytes(const Recording& recording) {
+  const std::string header = headerBytes(recording);
+  std::string bytes(kMagic);
+  put(bytes, static_cast<std::uint32_t>(header.size()));
+  bytes += header;
+  put(bytes, crc32c(header));
+  Vec3 before_W = Vec3::Zero();
+  std::string block;
+  std::uint32_t in_block = 0;
+  const auto close = [&] {
+    put(bytes, in_block);
+    put(bytes, static_cast<std::uint32_t>(block.size()));
+    bytes += block;
+    put(bytes, crc32c(block));
+    block.clear();
+    in_block = 0;
+  };
+  for (const RecordedTick& tick : recording.ticks) {
+    putTick(block, tick, before_W);
+    before_W = tick.position_W;
+    if (++in_block == kBlockTicks) close();
+  }
+  if (in_block > 0) close();
+  close();  // an empty block: the end
+  return bytes;
+}
+
+Recording readRecording(std::string_view bytes, const std::string& name) {
+  if (!bytes.starts_with(kMagic))
+    refuse(name, "it is no recording of a device", "record one with 'palpate touch ... --record FILE'");
+  Taker taker(bytes.substr(kMagic.size()));
+  const std::string_view header = taker.takeBytes(taker.take<std::uint32_t>());
+  const bool holds = taker.take<std::uint32_t>() == crc32c(header) && !taker.failed();
+  Taker header_taker(header);
+  Recording recording;
+  if (holds) recording = takeHeader(header_taker);
+  if (!holds || header_taker.failed() || !header_taker.left().empty() || !canBe(recording))
+    refuse(name, "its header is damaged", "record it again");
+  Vec3 position_W = Vec3::Zero();
+  for (bool ended = false; !ended;) {
+    const auto count = taker.take<std::uint32_t>();
+    const std::string_view block = taker.takeBytes(taker.take<std::uint32_t>());
+    const bool whole = taker.take<std::uint32_t>() == crc32c(block) && !taker.failed();
+    const auto ticks = whole ? ticksOf(block, count, position_W) : std::nullopt;
+    if (!ticks) {
+      recording.is_whole = false;
+      break;
+    }
+    ended = count == 0;
+    recording.ticks.insert(recording.ticks.end(), ticks->begin(), ticks->end());
+  }
+  if (!taker.left().empty()) recording.is_whole = false;
+  if (recording.ticks.empty()) refuse(name, "no tick of it can be read", "record it again");
+  return recording;
+}
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/devices/recording.hpp: what a device and the servo said to each other, tick by tick, and its form as bytes.
+//
+// docs/recording.md has the form. Values are kept to the bit. Set-up code; any thread.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "servo/devices/device.hpp"
+
+namespace palpate {
+
+// One read() of the device, and what followed until the next.
+struct RecordedTick {
+  std::int32_t elapsed_ticks = 0;     // grid periods since the last one
+  bool answered = false;              // read() gave a position
+  bool pressed = false;               // the handle's switch
+  bool taken = true;                  // write() took the force
+  bool held_differs = false;          // held() was another force than the one that was written
+  Vec3 position_W = Vec3::Zero();     // [m]
+  std::int64_t report_age_ns = 0;     // [ns]
+  DeviceBoundary boundary = {};
+  Vec3 held_W = Vec3::Zero();         // if held_differs [N]
+};
+
+struct Recording {
+  std::string device;  // its name
+  double rate_hz = 0;  // of the servo [Hz]
+  DeviceLimits limits = {};
+  std::vector<HandParameters> hands = {};
+  std::vector<RecordedTick> ticks = {};
+  bool is_whole = true;  // false: the bytes end early, or are damaged from some tick on
+
+  // Of the servo's grid, from the first tick to the last [tick].
+  [[nodiscard]] std::int64_t gridTicks() const noexcept;
+};
+
+[[nodiscard]] std::string recordingBytes(const Recording& recording);
+
+// Of bytes that end early or are damaged in a block, what comes before. Throws Error(kBadInput): no recording, a header
+// that is damaged or has values that no device has, or no tick.
+[[nodiscard]] Recording readRecording(std::string_view bytes, const std::string& name);
+
+}  // namespace palpate

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+// guest_client hidraw|libusb CASE: the program's own devices code in the guest, on devices of the real kernel. Exit status 0:
+// the case went as it must. It says what it saw.
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "apps/devices/choose_hid.hpp"
+#include "base/error.hpp"
+#include "servo/devices/force_off.hpp"
+#include "servo/devices/registry.hpp"
+#include "servo/devices/simulated_device.hpp"
+#include "tests/hid/kernel/guest_way.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kTicks = 900;
+constexpr double kStiffness = 400;
+
+bool check(bool holds, const std::string& what) {
+  std::printf("  %s: %s\n", holds ? "ok" : "FAILED", what.c_str());
+  return holds;
+}
+
+Vec3 wall(const Vec3& p) {
+  return p.y() < 0 ? Vec3(0, -kStiffness * p.y(), 0) : Vec3(Vec3::Zero());
+}
+
+double figure(const Device& device, std::string_view key) {
+  for (const DeviceFigure& f : device.figures())
+    if (f.key == key) return f.value;
+  return -1;
+}
+
+std::unique_ptr<Device> opened(HidBackEnd back_end, const std::string& path = "") {
+  const DeviceKind& kind = *deviceKindNamed("polhem-v1");
+  HidChoice choice = chooseHid(kind, path, back_end);
+  DeviceSetup setup{.rate_hz = 1 / kGuestTick_s, .values = choice.values, .open = choice.open, .simulated_clock = true,
+                    .calibrated = true};
+  setup.values["current_limit_A"] = 3;
+  return makeDevice(kind.family, setup);
+}
+
+// The words of a refusal; empty: there was none.
+std::string refusal(HidBackEnd back_end, const std::string& path = "") {
+  try {
+    static_cast<void>(opened(back_end, path));
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+bool has(const std::string& text, const char* words) {
+  return text.find(words) != std::string::npos;
+}
+
+// Positions within a count of the encoders from those of the simulated device on the same way.
+bool loops(HidBackEnd back_end) {
+  const std::unique_ptr<Device> device = opened(back_end);
+  const SampledPath path = guestWay();
+  SimulatedDeviceParameters p;
+  p.hand = Hand::kSpring;
+  SimulatedDevice exact(p, path, 1 / kGuestTick_s);
+  double worst_m = 0, deepest_m = 0;
+  bool all_read = true;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    Vec3 exact_at, at;
+    static_cast<void>(exact.read(exact_at));
+    all_read = device->read(at) && all_read;
+    worst_m = std::max(worst_m, (at - exact_at).norm());
+    deepest_m = std::min(deepest_m, at.y());
+    static_cast<void>(exact.write(wall(exact_at)));
+    static_cast<void>(device->write(wall(at)));
+    exact.elapse(1);
+    device->elapse(1);
+  }
+  const double resolution_m = device->limits().position_resolution_m;
+  std::printf("  %d ticks, off by %.1f um at most, one count is %.1f um, %.1f mm deep\n", kTicks, 1e6 * worst_m,
+              1e6 * resolution_m, -1e3 * deepest_m);
+  return check(all_read, "every tick had a position") & check(worst_m <= 2 * resolution_m, "as the simulated device") &
+         check(deepest_m < -1e-3, "in contact") & check(figure(*device, "reports_lost") == 0, "no report lost") &
+         check(figure(*device, "reports_received") >= kTicks, "a report for each tick");
+}
+
+bool survivesFaults(HidBackEnd back_end) {
+  const std::unique_ptr<Device> device = opened(back_end);
+  for (int tick = 0; tick < kTicks; ++tick) {
+    Vec3 at = Vec3::Zero();
+    static_cast<void>(device->read(at));
+    static_cast<void>(device->write(wall(at)));
+    device->elapse(1);
+  }
+  return check(figure(*device, "reports_lost") > 0, "lost reports are counted") &
+         check(figure(*device, "reports_garbled") > 0, "garbled and short ones are counted") &
+         check(figure(*device, "reports_superseded") > 0, "double ones are counted") &
+         check(figure(*device, "disconnects") == 0, "it stays connected");
+}
+
+bool comesBack(HidBackEnd back_end) {
+  const std::unique_ptr<Device> device = opened(back_end);
+  bool was_away = false;
+  for (int tick = 0; tick < 40 * kTicks; ++tick) {
+    Vec3 at = Vec3::Zero();
+    was_away = !device->read(at) || was_away;
+    static_cast<void>(device->write(Vec3(0, 1, 0)));
+    device->elapse(1);
+    if (figure(*device, "reconnects") > 0) break;
+  }
+  for (int tick = 0; tick < 5; ++tick) device->elapse(1);
+  Vec3 at;
+  return check(was_away, "it was told that it is gone") & check(figure(*device, "disconnects") == 1, "gone once") &
+         check(figure(*device, "reconnects") == 1, "back once") & check(device->read(at), "it has positions again") &
+         check(device->forceOff() == ForceOff::kUncalibrated, "without force until it is calibrated");
+}
+
+bool run(const std::string& name, HidBackEnd back_end) {
+  if (name == "loop") return loops(back_end);
+  if (name == "faults") return survivesFaults(back_end);
+  if (name == "replug") return comesBack(back_end);
+  const std::string why = refusal(back_end);
+  std::printf("  %s\n", why.c_str());
+  if (name == "none") return check(has(why, "none of this machine's HID devices is one"), "there is none");
+  if (name == "two") {
+    return check(has(why, "there are two"), "there are two") &
+           check(refusal(back_end, "/dev/hidraw1").empty(), "the second can be chosen");
+  }
+  if (name == "gadget") return check(has(why, "is another thing: its usage is ff00:0001"), "another thing");
+  if (name == "silent") return check(has(why, "it answers no report"), "it answers nothing");
+  return check(false, "there is no case " + name);
+}
+
+}  // namespace
+}  // namespace palpate
+
+int main(int count, char** words) {
+  if (count != 3) return 2;
+  const auto back_end =
+      std::string(words[1]) == "libusb" ? palpate::HidBackEnd::kLibusb : palpate::HidBackEnd::kHidraw;
+  try {
+    const bool held = palpate::run(words[2], back_end);
+    std::fflush(stdout);
+    return held ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::printf("  FAILED: %s\n", error.what());
+    return 1;
+  }
+}
