@@ -13,11 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Kind { kFile, kFolder, kEmptyFolder, kProcess };
+enum class LeftoverKind { kFile, kFolder, kEmptyFolder, kProcess };
 
 struct Entry {
   std::uint64_t number = 0;
-  Kind kind = Kind::kFile;
+  LeftoverKind kind = LeftoverKind::kFile;
   fs::path name;  // absolute: the process may change its working folder
   pid_t child = 0;
 };
@@ -37,16 +37,16 @@ Register& globalRegister() {
 void end(const Entry& entry) {
   std::error_code ignored;
   switch (entry.kind) {
-    case Kind::kFile:
+    case LeftoverKind::kFile:
       unlink(entry.name.c_str());
       return;
-    case Kind::kFolder:
+    case LeftoverKind::kFolder:
       fs::remove_all(entry.name, ignored);
       return;
-    case Kind::kEmptyFolder:
+    case LeftoverKind::kEmptyFolder:
       rmdir(entry.name.c_str());
       return;
-    case Kind::kProcess:
+    case LeftoverKind::kProcess:
       kill(entry.child, SIGKILL);
       return;
   }
@@ -54,7 +54,7 @@ void end(const Entry& entry) {
 
 // The number of the new entry; 0: nothing was made.
 template <typename Make>
-std::uint64_t add(Kind kind, const Make& make) {
+std::uint64_t add(LeftoverKind kind, const Make& make) {
   std::list<Entry> entry(1);  // allocated first, so that registering cannot fail once the thing exists
   entry.front().kind = kind;
   Register& all = globalRegister();
@@ -65,7 +65,7 @@ std::uint64_t add(Kind kind, const Make& make) {
   return all.last;
 }
 
-std::uint64_t addNamed(Kind kind, const Leftover::MakeNamed& make) {
+std::uint64_t addNamed(LeftoverKind kind, const Leftover::MakeNamed& make) {
   std::error_code ignored;
   const fs::path here = fs::current_path(ignored);
   return add(kind, [&](Entry& entry) {
@@ -84,16 +84,16 @@ std::uint64_t addNamed(Kind kind, const Leftover::MakeNamed& make) {
 }  // namespace
 
 Leftover Leftover::file(const MakeNamed& make) {
-  return Leftover(addNamed(Kind::kFile, make));
+  return Leftover(addNamed(LeftoverKind::kFile, make));
 }
 Leftover Leftover::folder(const MakeNamed& make) {
-  return Leftover(addNamed(Kind::kFolder, make));
+  return Leftover(addNamed(LeftoverKind::kFolder, make));
 }
 Leftover Leftover::emptyFolder(const fs::path& name) {
-  return Leftover(addNamed(Kind::kEmptyFolder, [&] { return name; }));
+  return Leftover(addNamed(LeftoverKind::kEmptyFolder, [&] { return name; }));
 }
 Leftover Leftover::process(const std::function<pid_t()>& make) {
-  return Leftover(add(Kind::kProcess, [&](Entry& entry) { return (entry.child = make()) > 0; }));
+  return Leftover(add(LeftoverKind::kProcess, [&](Entry& entry) { return (entry.child = make()) > 0; }));
 }
 
 Leftover::Leftover(Leftover&& other) noexcept : number_(std::exchange(other.number_, 0)) {}

@@ -19,7 +19,7 @@ constexpr int kHeadingTries = 64;
 constexpr double kMostTurn_rad_per_s = 8;     // at 0.1 m/s: circles of 12 mm radius or more
 constexpr double kTurnStep_rad_per_s = 0.25;  // change of the turning rate from tick to tick
 
-struct Place {
+struct PathPlace {
   Vec3 p_W;
   SurfaceOffset offset;
 };
@@ -34,9 +34,9 @@ class Wanderer {
         depth_m_(request.depth_voxel * voxel_m_) {}
 
   ContactPath path() {
-    const Place start = findStart();
+    const PathPlace start = findStart();
     approach(start);
-    Place at = start;
+    PathPlace at = start;
     Vec3 heading_W = anyTangent(at.offset.normal);
     for (path_.slide_begin = path_.ticks(); path_.ticks() < request_.ticks;) {
       add(at);
@@ -51,7 +51,7 @@ class Wanderer {
 
  private:
   [[nodiscard]] double step_m() const { return request_.speed_m_per_s / request_.rate_hz; }
-  [[nodiscard]] Place placeAt(const Vec3& p_W) const { return {p_W, phantom_.offset(p_W)}; }
+  [[nodiscard]] PathPlace placeAt(const Vec3& p_W) const { return {p_W, phantom_.offset(p_W)}; }
 
   [[nodiscard]] Vec3 anyTangent(const Vec3& normal_W) {
     Vec3 tangent_W = Vec3::Zero();
@@ -63,9 +63,9 @@ class Wanderer {
   }
 
   // Newton's method for signed distance = -depth.
-  [[nodiscard]] std::optional<Place> ontoLevel(Vec3 p_W) const {
+  [[nodiscard]] std::optional<PathPlace> ontoLevel(Vec3 p_W) const {
     for (int step = 0; step < kNewtonSteps; ++step) {
-      const Place at = placeAt(p_W);
+      const PathPlace at = placeAt(p_W);
       if (std::abs(at.offset.distance_m + depth_m_) <= kOnLevelVoxels * voxel_m_) return at;
       p_W -= (at.offset.distance_m + depth_m_) * at.offset.normal;
     }
@@ -73,7 +73,7 @@ class Wanderer {
   }
 
   // A point on the level set with free space in front of it.
-  [[nodiscard]] Place findStart() {
+  [[nodiscard]] PathPlace findStart() {
     const Lattice& lattice = phantom_.lattice();
     const Vec3 last_L = (phantom_.size() - Vec3i::Ones()).cast<double>();
     for (int attempt = 0; attempt < kStartTries; ++attempt) {
@@ -89,14 +89,14 @@ class Wanderer {
                 "use a phantom whose surface lies inside its volume");
   }
 
-  void approach(const Place& start) {
+  void approach(const PathPlace& start) {
     const double way_m = depth_m_ + kApproachVoxels * voxel_m_;
     const int steps = static_cast<int>(std::ceil(way_m / step_m()));
     for (int i = 0; i < steps; ++i)
       add(placeAt(start.p_W + way_m * (1 - i / static_cast<double>(steps)) * start.offset.normal));
   }
 
-  void add(const Place& at) {
+  void add(const PathPlace& at) {
     const Vec3 surface_W = at.p_W - at.offset.distance_m * at.offset.normal;
     path_.hip_W.push_back(at.p_W);
     path_.normal_W.push_back(at.offset.normal);
@@ -104,7 +104,7 @@ class Wanderer {
     path_.exact.push_back(std::abs(phantom_.signedDistance_m(surface_W)) < 1e-6 * voxel_m_ ? 1 : 0);
   }
 
-  Place next(const Place& at, Vec3& heading_W) {
+  PathPlace next(const PathPlace& at, Vec3& heading_W) {
     turn_rad_per_s_ = std::clamp(turn_rad_per_s_ + random_.uniform(-kTurnStep_rad_per_s, kTurnStep_rad_per_s),
                                  -kMostTurn_rad_per_s, kMostTurn_rad_per_s);
     const Vec3& normal_W = at.offset.normal;

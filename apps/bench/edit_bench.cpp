@@ -35,7 +35,7 @@ using flat_volume::kPlane_voxel;
 using flat_volume::kSpacing_m;
 
 // The measurements of one volume at one radius.
-struct EditFigures {
+struct EditCosts {
   std::int64_t size = 0;
   std::string gradients;
   double radius = 0;
@@ -71,27 +71,27 @@ const Stage kStages[] = {{"to_window", "to window", {"to win.", "ms", 3}},
                          {"journal_saved", "journal on disk", {"on disk", "ms", 2}},
                          {"sum", "", {"sum", "ms", 3}}};
 
-Columns<EditFigures> stageColumns() {
-  Columns<EditFigures> columns;
+Columns<EditCosts> stageColumns() {
+  Columns<EditCosts> columns;
   for (const Stage& stage : kStages) {
     const Look p99 = &stage == kStages ? Look("p99", "ms", 3) : Look();
-    columns = joined(columns, percentileColumns<EditFigures>(
-                                  stage.key, "ms", [key = stage.key](const EditFigures& f) { return f.of(key); },
+    columns = joined(columns, percentileColumns<EditCosts>(
+                                  stage.key, "ms", [key = stage.key](const EditCosts& f) { return f.of(key); },
                                   {{"median", &Percentiles::p50, stage.look}, {"p99", &Percentiles::p99, p99}}));
   }
   return columns;
 }
 
-const Columns<EditFigures>& editColumns() {
-  static const Columns<EditFigures> kColumns = joined(
-      Columns<EditFigures>{{"volume_voxel", &EditFigures::size},
-                           {"gradients", &EditFigures::gradients},
-                           {"radius_voxel", &EditFigures::radius, {"radius", "voxel"}},
-                           {"edits", &EditFigures::edits},
-                           {"windows_published", &EditFigures::published},
+const Columns<EditCosts>& editColumns() {
+  static const Columns<EditCosts> kColumns = joined(
+      Columns<EditCosts>{{"volume_voxel", &EditCosts::size},
+                           {"gradients", &EditCosts::gradients},
+                           {"radius_voxel", &EditCosts::radius, {"radius", "voxel"}},
+                           {"edits", &EditCosts::edits},
+                           {"windows_published", &EditCosts::published},
                            {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", ""}}},
       stageColumns(),
-      Columns<EditFigures>{
+      Columns<EditCosts>{
           {"recomputes", [](const auto& f) { return static_cast<std::int64_t>(f.recompute_ms.size()); }},
           {"recompute_median_ms", [](const auto& f) { return percentiles(f.recompute_ms).p50; }, {"anew", "ms", 2}},
           {"recompute_p99_ms", [](const auto& f) { return percentiles(f.recompute_ms).p99; }},
@@ -99,9 +99,9 @@ const Columns<EditFigures>& editColumns() {
            [](const auto& f) { return percentiles(f.recompute_ms).p50 / f.of("to_window").p50; },
            {"times", "dearer", 0}},
           {"share_outside_kernels", [](const auto& f) { return median(f.share_outside); }, {"outside", "share", 2}},
-          {"gpu_memory_MiB", &EditFigures::gpu_memory_MiB, {"GPU", "MiB", 0}},
-          {"bricks_not_put_back", &EditFigures::not_put_back},
-          {"seed", &EditFigures::seed}});
+          {"gpu_memory_MiB", &EditCosts::gpu_memory_MiB, {"GPU", "MiB", 0}},
+          {"bricks_not_put_back", &EditCosts::not_put_back},
+          {"seed", &EditCosts::seed}});
   return kColumns;
 }
 
@@ -237,7 +237,7 @@ class Session {
   FullRecompute recompute_;
   ScratchFolder folder_;
   std::optional<JournalWriter> journal_;  // in that folder
-  EditFigures figures_;
+  EditCosts figures_;
 };
 
 class EditBench {

@@ -14,7 +14,6 @@ namespace {
 static_assert(BRICK_EDGE == kBrickSize);
 static_assert(BINDING_OWN == BINDING_SLABS + DENSITY_SLABS);
 
-constexpr std::size_t kBrickBytes = kBrickVoxels * sizeof(float);
 constexpr std::size_t kUploadBricks = 4096;  // at once: 8 MiB
 
 layout::PoolDomain domainOf(const Volume& volume) {

@@ -25,6 +25,8 @@
 
 namespace palpate {
 
+inline constexpr std::size_t kBrickBytes = kBrickVoxels * sizeof(float);  // densities of a brick [byte]
+
 class BrickPool {
  public:
   // Uploads every brick. Throws Error(kOutOfMemory) where the volume needs more than DENSITY_SLABS slabs, than the
