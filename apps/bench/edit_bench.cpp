@@ -85,11 +85,11 @@ Columns<EditCosts> stageColumns() {
 const Columns<EditCosts>& editColumns() {
   static const Columns<EditCosts> kColumns = joined(
       Columns<EditCosts>{{"volume_voxel", &EditCosts::size},
-                           {"gradients", &EditCosts::gradients},
-                           {"radius_voxel", &EditCosts::radius, {"radius", "voxel"}},
-                           {"edits", &EditCosts::edits},
-                           {"windows_published", &EditCosts::published},
-                           {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", ""}}},
+                         {"gradients", &EditCosts::gradients},
+                         {"radius_voxel", &EditCosts::radius, {"radius", "voxel"}},
+                         {"edits", &EditCosts::edits},
+                         {"windows_published", &EditCosts::published},
+                         {"changed_bricks_median", [](const auto& f) { return median(f.bricks); }, {"bricks", ""}}},
       stageColumns(),
       Columns<EditCosts>{
           {"recomputes", [](const auto& f) { return static_cast<std::int64_t>(f.recompute_ms.size()); }},

@@ -77,6 +77,7 @@ const IdleOption kIdleOptions[] = {
     {"--hand-stiffness", hasSpringHand, kSpringOnly},
     {"--device-mass", hasSpringHand, kSpringOnly},
     {"--device-damping", hasSpringHand, kSpringOnly},
+    {"--device-friction", hasSpringHand, kSpringOnly},
     {"--recording", isRecorded, "only --device recorded plays one back"},
     {"--device-path", isReal, kNoReal},
     {"--hid", isReal, kNoReal},

@@ -133,6 +133,8 @@ const SceneOption kOptions[] = {
     ofDevice("--device-mass", "device.mass_kg", "kg", &Scene::device_mass_kg, 1, "mass_kg"),
     ofDevice("--device-damping", "device.damping_Ns_per_m", "N s/m", &Scene::device_damping_Ns_per_m, 1, "damping_Ns_per_m"),
     ofDevice("--encoder", "device.encoder_resolution_mm", "mm", &Scene::encoder_resolution_m, kMm, "encoder_resolution_m"),
+    ofDevice("--device-friction", "device.friction_N", "N", &Scene::device_friction_N, 1, "friction_N"),
+    ofDevice("--dropped", "device.dropped_share", "", &Scene::device_dropped_share, 1, "dropped_share"),
     {"--delay", "device.delay_ticks", "ticks", "delay of the simulated device's force", integer(&Scene::device_delay_ticks, 0, 1000)},
     {"--recording", "device.recording", "", "the recorded session that --device recorded plays back", TextOption{&Scene::recording, false}},
     {"--record", "device.record", "", "file for all that the device says in this run, to be played back (docs/recording.md)", TextOption{&Scene::record, false}},

@@ -82,6 +82,8 @@ struct Scene {
   double device_mass_kg = usualOfDevice("mass_kg");
   double device_damping_Ns_per_m = usualOfDevice("damping_Ns_per_m");
   double encoder_resolution_m = usualOfDevice("encoder_resolution_m");  // 0: none
+  double device_friction_N = usualOfDevice("friction_N");
+  double device_dropped_share = usualOfDevice("dropped_share");
   int device_delay_ticks = static_cast<int>(usualOfDevice("delay_ticks"));
   std::string recording;  // file that "recorded" plays back
   std::string record;     // file for what the device says; empty: none

@@ -43,6 +43,8 @@ DeviceSetup deviceSetup(const Scene& scene, const Path& path) {
                                                   {"mass_kg", scene.device_mass_kg},
                                                   {"damping_Ns_per_m", scene.device_damping_Ns_per_m},
                                                   {"encoder_resolution_m", scene.encoder_resolution_m},
+                                                  {"friction_N", scene.device_friction_N},
+                                                  {"dropped_share", scene.device_dropped_share},
                                                   {"delay_ticks", scene.device_delay_ticks}};
   DeviceSetup setup{.path = &path, .rate_hz = scene.rate_hz};
   for (const auto& [key, value] : asked) {

@@ -11,7 +11,6 @@
 namespace palpate {
 namespace {
 
-
 gpu::Kernel plainKernel(gpu::Gpu& gpu, const std::string& name, std::uint32_t bindings, std::size_t push_bytes,
                         std::vector<std::uint32_t> constants) {
   return {gpu, gpu::KernelSpec{.name = name,

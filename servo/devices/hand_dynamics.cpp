@@ -6,14 +6,18 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "base/error.hpp"
+#include "servo/devices/hand_friction.hpp"
 
 namespace palpate {
-HandDynamics::HandDynamics(const HandParameters& p, double tick_s) : tick_s_(tick_s) {
+
+HandDynamics::HandDynamics(const HandParameters& p, double tick_s) : tick_s_(tick_s), parameters_(p) {
   checkSetting(p.hand_mass_kg >= 0, "hand mass", p.hand_mass_kg, "give 0 kg or more");
   checkSetting(p.device_mass_kg >= 0, "device mass", p.device_mass_kg, "give 0 kg or more");
   checkSetting(p.hand_damping_Ns_per_m >= 0, "hand damping", p.hand_damping_Ns_per_m, "give 0 N s/m or more");
   checkSetting(p.device_damping_Ns_per_m >= 0, "device damping", p.device_damping_Ns_per_m, "give 0 N s/m or more");
   checkSetting(p.hand_stiffness_N_per_m >= 0, "hand stiffness", p.hand_stiffness_N_per_m, "give 0 N/m or more");
+  checkSetting(p.device_friction_N >= 0 && std::isfinite(p.device_friction_N), "device friction", p.device_friction_N,
+               "give 0 N or more");
   const double mass_kg = p.hand_mass_kg + p.device_mass_kg;
   checkSetting(mass_kg > 0, "mass of hand and device", mass_kg, "give one of them more than 0 kg");
   checkSetting(tick_s > 0, "tick", tick_s, "give a positive time in s");
@@ -32,6 +36,16 @@ HandDynamics::HandDynamics(const HandParameters& p, double tick_s) : tick_s_(tic
 HandDynamics::State HandDynamics::step(const State& state, const Vec3& path_start_W, const Vec3& path_end_W,
                                        const Vec3& force_W) const noexcept {
   const Vec3 slope_W = (path_end_W - path_start_W) / tick_s_;
+  if (parameters_.device_friction_N > 0) {
+    State next;
+    for (int axis = 0; axis < 3; ++axis) {
+      const FrictionAxis moved = stepWithFriction(parameters_, {state.position_W[axis], state.velocity_W[axis]},
+                                                  {path_start_W[axis], slope_W[axis]}, force_W[axis], tick_s_);
+      next.position_W[axis] = moved.position_m;
+      next.velocity_W[axis] = moved.velocity_m_per_s;
+    }
+    return next;
+  }
   const auto row = [&](int i) {
     return Vec3(transition_(i, 0) * state.position_W + transition_(i, 1) * state.velocity_W +
                 transition_(i, 2) * path_start_W + transition_(i, 3) * slope_W + transition_(i, 4) * force_W);

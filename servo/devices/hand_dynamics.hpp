@@ -8,9 +8,12 @@
 // it runs straight between its values at the ends of a tick, and r' is the slope of that line. If r were held instead,
 // the hand would feel a staircase, and its damper would never see the path move. If r and r' were interpolated
 // separately, r' would not be the slope of r.
-// For these inputs the step is the exact solution, x(t + T) = Phi(T) x(t) + ... Phi is the matrix exponential of the
-// system together with its inputs (Van Loan 1978). So one tick gives the same as two half ticks. Units: SI. Thread:
-// const after construction. Cost of step(): 30 multiplications. Heap: none.
+// Dry friction of the device, if it has any, is f_c against the motion along each axis, and holds the device still
+// where everything else is weaker (Coulomb): -f_c sign(x'), or for x' = 0 whatever of at most f_c keeps it there. A
+// tick is then cut where the motion stops or breaks loose, and is exact between these times (hand_friction.hpp). For
+// these inputs the step is the exact solution, x(t + T) = Phi(T) x(t) + ... Phi is the matrix exponential of the system
+// together with its inputs (Van Loan 1978). So one tick gives the same as two half ticks. Units: SI. Thread: const
+// after construction. Cost of step(): 30 multiplications. Heap: none.
 #pragma once
 
 #include "base/vec.hpp"
@@ -23,6 +26,7 @@ struct HandParameters {
   double hand_stiffness_N_per_m = 400;
   double device_mass_kg = 0.05;
   double device_damping_Ns_per_m = 0.1;
+  double device_friction_N = 0;  // dry, along each axis
 };
 
 class HandDynamics {
@@ -46,6 +50,7 @@ class HandDynamics {
 
  private:
   double tick_s_;
+  HandParameters parameters_;
   Transition transition_;
 };
 

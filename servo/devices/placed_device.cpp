@@ -52,6 +52,7 @@ std::vector<HandParameters> PlacedDevice::hands() const {
     for (double* value : {&hand.hand_mass_kg, &hand.hand_damping_Ns_per_m, &hand.hand_stiffness_N_per_m,
                           &hand.device_mass_kg, &hand.device_damping_Ns_per_m})
       *value *= smaller;
+    hand.device_friction_N /= placement_.force_scale;
   }
   return hands;
 }

@@ -13,8 +13,7 @@ std::span<const DeviceParameter> noParameters() {
 
 // A recording of another rate would be another motion.
 std::unique_ptr<Device> makeRecorded(const DeviceSetup& setup) {
-  if (setup.recording == nullptr)
-    refuse("device recorded", "no recording is given", "give one with --recording FILE");
+  if (setup.recording == nullptr) refuse("device recorded", "no recording is given", "give one with --recording FILE");
   if (setup.recording->rate_hz != setup.rate_hz) {
     refuse("device recorded",
            formatted("it was recorded at {} Hz, and the servo runs at {} Hz", setup.recording->rate_hz, setup.rate_hz),

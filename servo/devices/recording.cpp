@@ -71,7 +71,7 @@ std::string headerBytes(const Recording& r) {
   put(bytes, static_cast<std::uint8_t>(r.hands.size()));
   for (const HandParameters& h : r.hands) {
     for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
-                               h.device_damping_Ns_per_m})
+                               h.device_damping_Ns_per_m, h.device_friction_N})
       put(bytes, value);
   }
   put(bytes, static_cast<std::uint16_t>(r.device.size()));
@@ -86,11 +86,10 @@ void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W)
   const bool moved = !sameBits(tick.position_W, before_W);
   const bool edge = tick.boundary.stored_J != 0 || !tick.boundary.force_W.isZero(0);
   const auto flag = [](bool on, std::uint8_t bit) { return on ? bit : std::uint8_t{0}; };
-  put(bytes, static_cast<std::uint8_t>(flag(tick.answered, kAnswered) | flag(moved, kMoved) |
-                                       flag(tick.report_age_ns != 0, kAged) | flag(tick.taken, kTaken) |
-                                       flag(tick.held_differs, kHeld) | flag(edge, kEdge) |
-                                       flag(tick.pressed, kSwitchOn) |
-                                       flag(tick.elapsed_ticks != kUsualElapsed, kElapsed)));
+  put(bytes, static_cast<std::uint8_t>(
+                 flag(tick.answered, kAnswered) | flag(moved, kMoved) | flag(tick.report_age_ns != 0, kAged) |
+                 flag(tick.taken, kTaken) | flag(tick.held_differs, kHeld) | flag(edge, kEdge) |
+                 flag(tick.pressed, kSwitchOn) | flag(tick.elapsed_ticks != kUsualElapsed, kElapsed)));
   if (tick.elapsed_ticks != kUsualElapsed) put(bytes, tick.elapsed_ticks);
   if (moved) put(bytes, tick.position_W);
   if (tick.report_age_ns != 0) put(bytes, tick.report_age_ns);
@@ -145,7 +144,7 @@ bool canBe(const Recording& r) {
     can = can && limit >= 0 && std::isfinite(limit);
   for (const HandParameters& h : r.hands) {
     for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
-                               h.device_damping_Ns_per_m})
+                               h.device_damping_Ns_per_m, h.device_friction_N})
       can = can && value >= 0 && std::isfinite(value);
     can = can && h.hand_mass_kg + h.device_mass_kg > 0;
   }
@@ -163,7 +162,7 @@ Recording takeHeader(Taker& taker) {
   r.hands.resize(taker.take<std::uint8_t>());
   for (HandParameters& h : r.hands) {
     for (double* value : {&h.hand_mass_kg, &h.hand_damping_Ns_per_m, &h.hand_stiffness_N_per_m, &h.device_mass_kg,
-                          &h.device_damping_Ns_per_m})
+                          &h.device_damping_Ns_per_m, &h.device_friction_N})
       *value = taker.take<double>();
   }
   r.device = taker.takeBytes(taker.take<std::uint16_t>());

@@ -15,15 +15,15 @@ namespace palpate {
 
 // One read() of the device, and what followed until the next.
 struct RecordedTick {
-  std::int32_t elapsed_ticks = 0;     // grid periods since the last one
-  bool answered = false;              // read() gave a position
-  bool pressed = false;               // the handle's switch
-  bool taken = true;                  // write() took the force
-  bool held_differs = false;          // held() was another force than the one that was written
-  Vec3 position_W = Vec3::Zero();     // [m]
-  std::int64_t report_age_ns = 0;     // [ns]
+  std::int32_t elapsed_ticks = 0;  // grid periods since the last one
+  bool answered = false;           // read() gave a position
+  bool pressed = false;            // the handle's switch
+  bool taken = true;               // write() took the force
+  bool held_differs = false;       // held() was another force than the one that was written
+  Vec3 position_W = Vec3::Zero();  // [m]
+  std::int64_t report_age_ns = 0;  // [ns]
   DeviceBoundary boundary = {};
-  Vec3 held_W = Vec3::Zero();         // if held_differs [N]
+  Vec3 held_W = Vec3::Zero();  // if held_differs [N]
 };
 
 struct Recording {

@@ -66,10 +66,10 @@ class RecordedDevice final : public Device {
   [[nodiscard]] const RecordedTick& tick() const noexcept { return recording_->ticks[at_]; }
 
   std::shared_ptr<const Recording> recording_;
-  std::size_t at_ = 0;       // the tick that was read last
+  std::size_t at_ = 0;  // the tick that was read last
   bool begun_ = false, is_new_ = false;
-  std::int64_t grid_ = 0;    // periods that elapsed
-  std::int64_t due_ = 0;     // periods after which tick `at_` was read
+  std::int64_t grid_ = 0;  // periods that elapsed
+  std::int64_t due_ = 0;   // periods after which tick `at_` was read
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/units.hpp"
 
 namespace palpate {
 namespace {
@@ -13,8 +14,18 @@ const SimulatedDeviceParameters& checked(const SimulatedDeviceParameters& p, dou
   checkSetting(p.force_limit_N > 0, "device force limit", p.force_limit_N, "give newtons above 0");
   checkSetting(p.slew_limit_N_per_s >= 0, "device slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
   checkSetting(p.encoder_resolution_m >= 0, "encoder resolution", p.encoder_resolution_m, "give 0 m or more");
+  checkSetting(p.dropped_share >= 0 && p.dropped_share < 1, "share of dropped reports", p.dropped_share,
+               "give 0 to below 1");
   checkSetting(p.delay_ticks >= 0 && p.delay_ticks <= 10000, "device delay", p.delay_ticks, "give 0 to 10000 ticks");
   return p;
+}
+
+// Even between 0 and 1, by the number of the tick (SplitMix64, Steele et al. 2014).
+double chance(std::int64_t tick) noexcept {
+  std::uint64_t bits = static_cast<std::uint64_t>(tick) * 0x9E3779B97F4A7C15U;
+  bits = (bits ^ bits >> 30U) * 0xBF58476D1CE4E5B9U;
+  bits = (bits ^ bits >> 27U) * 0x94D049BB133111EBU;
+  return static_cast<double>((bits ^ bits >> 31U) >> 11U) * 0x1p-53;
 }
 
 }  // namespace
@@ -63,13 +74,24 @@ void SimulatedDevice::elapse(int ticks) noexcept {
   }
 }
 
+// Where a report was dropped, the last one is all there is.
 bool SimulatedDevice::read(Vec3& position_W) noexcept {
+  if (tick_ > 0 && parameters_.dropped_share > 0 && chance(tick_) < parameters_.dropped_share) {
+    position_W = reported_W_;
+    return true;
+  }
   const double resolution_m = parameters_.encoder_resolution_m;
   position_W = state_.position_W;
   if (resolution_m > 0) {
     for (double& x : position_W) x = std::round(x / resolution_m) * resolution_m;
   }
+  reported_W_ = position_W;
+  reported_tick_ = tick_;
   return true;
+}
+
+std::int64_t SimulatedDevice::reportAge_ns() const noexcept {
+  return std::llround(static_cast<double>(tick_ - reported_tick_) * kNanosecondsPerSecond / rate_hz_);
 }
 
 bool SimulatedDevice::write(const Vec3& force_W) noexcept {

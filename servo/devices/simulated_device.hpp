@@ -2,10 +2,10 @@
 // servo/devices/simulated_device.hpp: a device that needs no hardware; a simulated hand moves it along a path.
 //
 // kRigid: the HIP is exactly on the path, whatever the force. kSpring: the hand pulls the device along the path and
-// feels the force (hand_dynamics.hpp). In both cases encoders round the positions that are read, the force is cut to
-// the device's maximum, and it acts `delay_ticks` after the write. Only elapse() advances time, so the same forces give
-// the same motion, bit for bit.
-// Frame W: world [m, N]. Threads as in device.hpp; the path must outlive the device. Heap: in the constructor only.
+// feels the force (hand_dynamics.hpp). In both cases encoders round the positions that are read, some
+// reports may be dropped, the force is cut to the device's maximum, and it acts `delay_ticks` after the write. Only
+// elapse() advances time, so the same forces give the same motion, bit for bit. Frame W: world [m, N]. Threads as in
+// device.hpp; the path must outlive the device. Heap: in the constructor only.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,7 @@ struct SimulatedDeviceParameters {
   double slew_limit_N_per_s = 0;    // stated in limits(); 0: not stated [N/s]
   double encoder_resolution_m = 0;  // positions are multiples of it along each axis; 0: not rounded [m]
   int delay_ticks = 0;              // from write() to the force that acts [tick]
+  double dropped_share = 0;         // of reports that do not come, at random but the same in each run [-]
 };
 
 class SimulatedDevice final : public Device {
@@ -37,6 +38,7 @@ class SimulatedDevice final : public Device {
   [[nodiscard]] std::string_view name() const noexcept override;
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] std::vector<HandParameters> hands() const override;
+  [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;
@@ -54,8 +56,9 @@ class SimulatedDevice final : public Device {
   double rate_hz_;
   HandDynamics dynamics_;
   HandDynamics::State state_;
-  std::int64_t tick_ = 0;
-  std::vector<Vec3> written_W_;  // ring of delay_ticks + 1 forces; the one at next_ acts in this tick
+  std::int64_t tick_ = 0, reported_tick_ = 0;
+  Vec3 reported_W_ = Vec3::Zero();  // the last position that was read
+  std::vector<Vec3> written_W_;     // ring of delay_ticks + 1 forces; the one at next_ acts in this tick
   std::size_t next_ = 0;
 };
 

@@ -26,6 +26,10 @@ constexpr ParameterRow<Simulated> kSimulatedRows[] = {
      [](const Simulated& p) { return p.force_limit_N; }, [](Simulated& p, double v) { p.force_limit_N = v; }},
     {"encoder_resolution_m", "m", 0, 10e-3, "resolution of the simulated device's encoders, 0: none",
      [](const Simulated& p) { return p.encoder_resolution_m; }, [](Simulated& p, double v) { p.encoder_resolution_m = v; }},
+    {"friction_N", "N", 0, 100, "dry friction of the simulated device, along each axis",
+     [](const Simulated& p) { return p.dynamics.device_friction_N; }, [](Simulated& p, double v) { p.dynamics.device_friction_N = v; }},
+    {"dropped_share", "", 0, 0.99, "share of the simulated device's reports that do not come",
+     [](const Simulated& p) { return p.dropped_share; }, [](Simulated& p, double v) { p.dropped_share = v; }},
     {"delay_ticks", "ticks", 0, 1000, "delay of the simulated device's force",
      [](const Simulated& p) { return static_cast<double>(p.delay_ticks); }, [](Simulated& p, double v) { p.delay_ticks = static_cast<int>(v); }},
 };

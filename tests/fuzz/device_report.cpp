@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A report as a device may send it: of a Polhem with 14 and 64 bytes, of a SpaceMouse. What is accepted is what was sent.
+// A report as a device may send it: of a Polhem with 14 and 64 bytes, of a SpaceMouse. What is accepted is what was
+// sent.
 #include "base/error.hpp"
 #include "fuzz_target.hpp"
 #include "servo/devices/polhem_report.hpp"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A table of devices as a user may write it. Each kind that is accepted has a name, a family, USB numbers, and values that
-// the family takes.
+// A table of devices as a user may write it. Each kind that is accepted has a name, a family, USB numbers, and values
+// that the family takes.
 #include "apps/devices/device_table.hpp"
+
 #include "fuzz_target.hpp"
 
 namespace {

@@ -43,6 +43,7 @@ struct Options {
   bool forbidden = false;  // nobody may open the nodes
   int unplug_after = -1;   // reports after which it is unplugged; -1: never
   int replug_ms = -1;      // and plugged in again; -1: never
+  int silent_after = -1;   // reports after which it answers no more; -1: never
   double faults = 0;       // share of answers that are lost, garbled, short, double or late
   unsigned seed = 1;
   std::string log;  // file for the devices' own account
@@ -87,6 +88,8 @@ Options parsed(int count, char** words) {
       o.unplug_after = std::stoi(value());
     } else if (word == "--replug-ms") {
       o.replug_ms = std::stoi(value());
+    } else if (word == "--silent-after") {
+      o.silent_after = std::stoi(value());
     } else if (word == "--faults") {
       o.faults = std::stod(value());
     } else if (word == "--seed") {
@@ -221,7 +224,7 @@ class Emulated {
     }
     report.size = static_cast<std::size_t>(got);
     ++reports_;
-    if (!answers()) return;
+    if (!answers() || (options_.silent_after >= 0 && reports_ > options_.silent_after)) return;
     for (const Report& answer : reports_of_->answersTo(report)) send(answer);
     if (reports_ == options_.unplug_after) unplug();
   }
@@ -239,7 +242,8 @@ class Emulated {
   }
   [[nodiscard]] bool wasUnplugged() const { return !there_; }
 
-  [[nodiscard]] std::string account() const {
+  // What the arm did, and what it goes on to do when nobody writes any more.
+  [[nodiscard]] std::string account() {
     double largest_N = 0, slew_N = 0;
     Vec3 before = Vec3::Zero();
     for (const Vec3& force : arm_->forces_D()) {
@@ -247,8 +251,11 @@ class Emulated {
       slew_N = std::max(slew_N, force.norm() - before.norm());
       before = force;
     }
-    return fmt::format("{} reports {} force_max_N {} force_rise_max_N {} faults {}\n", name_, reports_, largest_N,
-                       slew_N, reports_of_->faults());
+    arm_->passSilence(0.4);
+    const double before_N = arm_->force_D().norm();
+    arm_->passSilence(0.2);
+    return fmt::format("{} reports {} force_max_N {} force_rise_max_N {} faults {} left_400ms_N {} left_600ms_N {}\n",
+                       name_, reports_, largest_N, slew_N, reports_of_->faults(), before_N, arm_->force_D().norm());
   }
 
  private:

@@ -33,7 +33,8 @@ class EmulatedHid : public ProgramTest {
   }
 
   // A way along the surface, tick by tick, as a rigid hand goes it.
-  void writeWay(const std::string& volume, double seconds, double depth_mm) const {
+  // `share` of it: cut there.
+  void writeWay(const std::string& volume, double seconds, double depth_mm, double share = 1) const {
     const Words touch = {"touch",     volume,
                          "--clock",   "simulated",
                          "--picture", "off",
@@ -42,7 +43,9 @@ class EmulatedHid : public ProgramTest {
                          "--out",     "rigid"};
     ASSERT_EQ(run(touch).status, 0);
     std::string csv = "time_s,x_m,y_m,z_m\n";
-    for (const TraceRow& row : readTrace(file("rigid") / "trace.csv").rows) {
+    std::vector<TraceRow> rows = readTrace(file("rigid") / "trace.csv").rows;
+    rows.resize(static_cast<std::size_t>(share * static_cast<double>(rows.size())));
+    for (const TraceRow& row : rows) {
       const Vec3 hip = row.hip_W();
       csv += fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}\n", row.time_s(), hip.x(), hip.y(), hip.z());
     }

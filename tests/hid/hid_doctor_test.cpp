@@ -60,6 +60,43 @@ TEST_F(HidDoctor, NamesMissingRightsAndTheRuleThatGivesThem) {
   EXPECT_FALSE(json()["hid"][0]["may_use"]);
 }
 
+// Without a device, without rights, without real time: each command works, or says in one line what is missing.
+TEST_F(HidDoctor, AnOrdinaryUserIsToldInOneLine) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
+  std::filesystem::permissions(folder(), std::filesystem::perms::all);
+  struct Case {
+    Words arguments;
+    int status;
+    std::string words;  // of the one line; empty: it works
+  };
+  const std::string phantom = "phantom:sphere?size=16";
+  for (const Case& c : {Case{{"devices"}, 0, ""}, Case{{"faults"}, 0, ""}, Case{{"info", phantom}, 0, ""},
+                        Case{{"touch", phantom, "--seconds", "0.2", "--picture", "off"}, 0, ""},
+                        Case{{"plan", phantom, "--rounds", "0"}, 0, ""},
+                        Case{{"touch", phantom, "--device", "polhem-v1"}, 6, "you have no right to use it"},
+                        Case{{"touch", phantom, "--device", "spacemouse"}, 3, "none of this machine's HID devices"},
+                        Case{{"touch", phantom, "--require-real-time"}, 6, "no real-time priority"},
+                        Case{{"calibrate", "--device", "polhem-v1", "--yes"}, 6, "you have no right to use it"},
+                        Case{{"doctor", "--install-udev"}, 4, "sudo palpate doctor --install-udev"}}) {
+    const Outcome outcome =
+        emulate({"--forbidden"}, Words{"setpriv", "--reuid=65534", "--clear-groups", PALPATE_PROGRAM} + c.arguments);
+    EXPECT_EQ(outcome.status, c.status) << c.arguments[0] << "\n" << outcome.err;
+    Words lines = errorLines(outcome.err);
+    std::erase_if(lines, isBoundWarning);
+    EXPECT_EQ(lines.size(), c.words.empty() ? 0U : 1U) << outcome.err;
+    if (!c.words.empty() && !lines.empty()) EXPECT_THAT(lines.front(), HasSubstr(c.words));
+  }
+}
+
+// A table that allows no force.
+TEST_F(HidDoctor, NamesALimitOfZero) {
+  std::filesystem::create_directories(file("palpate/devices"));
+  write("palpate/devices/a.toml",
+        "[[device]]\nname = \"weak\"\nfamily = \"polhem-family\"\nwhat = \"none\"\nusb = [{ id = \"1234:0006\", "
+        "report_bytes = 14 }]\nvalues = { force_limit_N = 0 }\n");
+  expectOff(doctor({}, {"--device", "weak", "--calibrated", "--current-limit", "3"}), "the force limit is 0");
+}
+
 // What is calibrated stays so while the device is plugged in.
 TEST_F(HidDoctor, CalibratesForLaterRuns) {
   const std::string program = PALPATE_PROGRAM;

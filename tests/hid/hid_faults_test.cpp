@@ -9,7 +9,7 @@ namespace hid_faults_test {
 using testing::HasSubstr;
 
 struct Account {
-  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0;
+  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0, left_400ms_N = 0, left_600ms_N = 0;
 };
 
 class HidFaults : public EmulatedHid {
@@ -18,7 +18,8 @@ class HidFaults : public EmulatedHid {
     std::istringstream in(contentsOf(file(name)));
     Account a;
     std::string word;
-    in >> word >> word >> a.reports >> word >> a.force_max_N >> word >> a.force_rise_max_N >> word >> a.faults;
+    in >> word >> word >> a.reports >> word >> a.force_max_N >> word >> a.force_rise_max_N >> word >> a.faults >>
+        word >> a.left_400ms_N >> word >> a.left_600ms_N;
     return a;
   }
   static Words pressing(const std::string& seconds) {
@@ -71,9 +72,30 @@ TEST_F(HidFaults, AreToldWhenTheCableIsPulled) {
   for (std::size_t i = 1200; i < trace.rows.size(); ++i) EXPECT_EQ(trace.rows[i].force_N().norm(), 0) << i;
 }
 
-TEST_F(HidFaults, ADeviceThatNeverAnswersIsRefused) {
-  expectRefusal(on({"--devices", "gadget"}, {"touch", "phantom:sphere?size=16", "--device", "polhem-v1"}),
-                "device polhem-v1", "another thing", 3);
+// A device that answers no more in contact: its last position grows old, which is a fault, and the force fades.
+TEST_F(HidFaults, AreToldWhenTheDeviceFallsSilent) {
+  writeWay("phantom:sphere?size=64", 2, 2);
+  const Outcome outcome =
+      on({"--path", "way.csv", "--at", "0,0,0", "--silent-after", "900", "--log", "log"}, pressing("1.1"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_GE(figure("reports_lost"), 150);
+  EXPECT_THAT(summary()["faults"].dump(), HasSubstr("dropped-reports"));
+  const Trace trace = readTrace(file("out") / "trace.csv");
+  EXPECT_GT(trace.rows[890].force_N().norm(), 0.1);
+  EXPECT_EQ(trace.rows.back().force_N().norm(), 0);
+}
+
+// The program is killed while it presses: what protects the hand then is the arm's own watchdog, half a second later.
+TEST_F(HidFaults, AKilledProgramLeavesTheForceToTheWatchdog) {
+  writeWay("phantom:sphere?size=64", 2, 2, 0.5);  // ends in contact
+  Words touch = pressing("60");
+  touch[std::ranges::find(touch, "simulated") - touch.begin()] = "real";
+  const Outcome outcome = emulate({"--path", "way.csv", "--at", "0,0,0", "--log", "log"},
+                                  Words{"timeout", "-s", "KILL", "2", PALPATE_PROGRAM} + touch);
+  EXPECT_NE(outcome.status, 0);
+  const Account a = account();
+  EXPECT_GT(a.left_400ms_N, 0.05);
+  EXPECT_EQ(a.left_600ms_N, 0);
 }
 
 }  // namespace hid_faults_test

@@ -129,6 +129,40 @@ TEST_F(HidTouch, TouchesInRealTime) {
   EXPECT_GT(figure("write_max_us"), 0);
 }
 
+// A scene that asks for no stiffness gets the largest that the maker states and the device can render; who asks for
+// more is told the bound.
+TEST_F(HidTouch, TakesTheStiffnessThatTheDeviceBears) {
+  const Words touch = {"touch",
+                       "phantom:sphere?size=16",
+                       "--device",
+                       "polhem-v1",
+                       "--clock",
+                       "simulated",
+                       "--seconds",
+                       "0.1",
+                       "--picture",
+                       "off",
+                       "--calibrated",
+                       "--current-limit",
+                       "3",
+                       "--place-scale",
+                       "1"};
+  EXPECT_EQ(on({}, touch).status, 0);
+  const double usual = summary()["scene"]["servo"]["stiffness_N_per_m"];
+  EXPECT_GT(usual, 100);
+  EXPECT_LE(usual, 800);
+  const Outcome stiff = on({}, touch + Words{"--stiffness", "5000"});
+  EXPECT_EQ(stiff.status, 0);
+  EXPECT_EQ(summary()["scene"]["servo"]["stiffness_N_per_m"], 5000);
+  EXPECT_THAT(stiff.err, HasSubstr("is more than the device's maker states: give at most 800 N/m"));
+  EXPECT_THAT(stiff.err, HasSubstr("a wall of 5000 N/m is one of 5000 N/m at its handle"));
+  const Outcome scaled = on({}, touch + Words{"--stiffness", "500", "--place-scale", "2", "--force-scale", "0.5"});
+  EXPECT_THAT(
+      scaled.err,
+      HasSubstr(
+          "1 mm of the device moves the tool by 2 mm, 1 N of the scene is 0.5 N; a wall of 500 N/m is one of 500 N/m"));
+}
+
 // ---- why there is no force ----
 
 TEST_F(HidTouch, SaysWhyThereIsNoDevice) {

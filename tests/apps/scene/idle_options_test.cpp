@@ -46,7 +46,7 @@ TEST(IdleOptions, EachIsToldWhereNothingUsesItAndNowhereElse) {
   const std::vector<Case> cases = {
       {standard,
        [](Scene& s) { s.spring_hand = true; },
-       {"--hand-mass", "--hand-damping", "--hand-stiffness", "--device-mass", "--device-damping"}},
+       {"--hand-mass", "--hand-damping", "--hand-stiffness", "--device-mass", "--device-damping", "--device-friction"}},
       {standard, [](Scene& s) { s.texture = "procedural"; }, {"--texture-amplitude", "--texture-wavelength"}},
       {standard, [](Scene& s) { s.texture = "density"; }, {"--texture-amplitude", "--texture-gain"}},
       {[](Scene& s) { s.texture = "density"; }, [](Scene& s) { s.texture = "procedural"; }, {"--texture-wavelength"}},

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// guest_client hidraw|libusb CASE: the program's own devices code in the guest, on devices of the real kernel. Exit status 0:
-// the case went as it must. It says what it saw.
+// guest_client hidraw|libusb CASE: the program's own devices code in the guest, on devices of the real kernel. Exit
+// status 0: the case went as it must. It says what it saw.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -38,7 +38,10 @@ double figure(const Device& device, std::string_view key) {
 std::unique_ptr<Device> opened(HidBackEnd back_end, const std::string& path = "") {
   const DeviceKind& kind = *deviceKindNamed("polhem-v1");
   HidChoice choice = chooseHid(kind, path, back_end);
-  DeviceSetup setup{.rate_hz = 1 / kGuestTick_s, .values = choice.values, .open = choice.open, .simulated_clock = true,
+  DeviceSetup setup{.rate_hz = 1 / kGuestTick_s,
+                    .values = choice.values,
+                    .open = choice.open,
+                    .simulated_clock = true,
                     .calibrated = true};
   setup.values["current_limit_A"] = 3;
   return makeDevice(kind.family, setup);
@@ -138,8 +141,7 @@ bool run(const std::string& name, HidBackEnd back_end) {
 
 int main(int count, char** words) {
   if (count != 3) return 2;
-  const auto back_end =
-      std::string(words[1]) == "libusb" ? palpate::HidBackEnd::kLibusb : palpate::HidBackEnd::kHidraw;
+  const auto back_end = std::string(words[1]) == "libusb" ? palpate::HidBackEnd::kLibusb : palpate::HidBackEnd::kHidraw;
   try {
     const bool held = palpate::run(words[2], back_end);
     std::fflush(stdout);

@@ -9,7 +9,8 @@ namespace palpate {
 inline constexpr double kGuestTick_s = 1e-3;
 
 inline SampledPath guestWay() {
-  return {{0, 0.3, 0.6, 0.9}, {Vec3(0, 0.02, 0), Vec3(0, -0.008, 0), Vec3(0.02, -0.008, 0.01), Vec3(0, 0.02, 0)},
+  return {{0, 0.3, 0.6, 0.9},
+          {Vec3(0, 0.02, 0), Vec3(0, -0.008, 0), Vec3(0.02, -0.008, 0.01), Vec3(0, 0.02, 0)},
           SampledPath::Interpolation::kCubic};
 }
 

@@ -55,7 +55,9 @@ class UsbipPolhem {
   void run() {
     std::array<std::uint8_t, kHeaderBytes> header{};
     while (take(header.data(), header.size())) {
-      Request r{.command = wordAt(&header[0]), .number = wordAt(&header[4]), .endpoint = wordAt(&header[16]),
+      Request r{.command = wordAt(&header[0]),
+                .number = wordAt(&header[4]),
+                .endpoint = wordAt(&header[16]),
                 .in = wordAt(&header[12]) == 1};
       r.length = wordAt(&header[24]);
       r.unlinks = wordAt(&header[20]);

@@ -21,9 +21,12 @@ using testing::HasSubstr;
 Recording anyRecording(unsigned seed, int ticks) {
   Seeded random(seed);
   Recording r{.device = "any \xC3\xA9", .rate_hz = random.between(100, 20000)};
-  r.limits = {.force_limit_N = random.between(0, 10), .position_resolution_m = random.between(0, 1e-4),
-              .force_delay_ticks = random.pick(5), .slew_limit_N_per_s = random.between(0, 1e5),
-              .follows_force = random.pick(2) == 0, .stiffness_limit_N_per_m = random.between(0, 2000),
+  r.limits = {.force_limit_N = random.between(0, 10),
+              .position_resolution_m = random.between(0, 1e-4),
+              .force_delay_ticks = random.pick(5),
+              .slew_limit_N_per_s = random.between(0, 1e5),
+              .follows_force = random.pick(2) == 0,
+              .stiffness_limit_N_per_m = random.between(0, 2000),
               .workspace_radius_m = random.between(0, 1)};
   r.hands.resize(static_cast<std::size_t>(random.pick(4)));
   Vec3 at = Vec3::Zero();
@@ -48,9 +51,9 @@ Recording anyRecording(unsigned seed, int ticks) {
 // To the bit, signs of zeros included.
 bool same(const RecordedTick& a, const RecordedTick& b) {
   const auto bits = [](const Vec3& u, const Vec3& v) { return std::memcmp(u.data(), v.data(), sizeof(Vec3)) == 0; };
-  return a.elapsed_ticks == b.elapsed_ticks && a.answered == b.answered && a.pressed == b.pressed && a.taken == b.taken &&
-         a.held_differs == b.held_differs && a.report_age_ns == b.report_age_ns && bits(a.position_W, b.position_W) &&
-         bits(a.held_W, b.held_W) && bits(a.boundary.force_W, b.boundary.force_W) &&
+  return a.elapsed_ticks == b.elapsed_ticks && a.answered == b.answered && a.pressed == b.pressed &&
+         a.taken == b.taken && a.held_differs == b.held_differs && a.report_age_ns == b.report_age_ns &&
+         bits(a.position_W, b.position_W) && bits(a.held_W, b.held_W) && bits(a.boundary.force_W, b.boundary.force_W) &&
          a.boundary.stored_J == b.boundary.stored_J;
 }
 

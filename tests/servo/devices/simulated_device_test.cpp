@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/simulated_device.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -194,6 +196,33 @@ TEST(SimulatedDevice, Refuses) {
   refused(p, 1000);
   p.delay_ticks = 10000;
   EXPECT_NO_THROW(SimulatedDevice(p, rest(), 1000));
+}
+
+// A dropped report leaves the last position, as old as it is; the same ones in each run, and about as many as asked
+// for.
+TEST(SimulatedDevice, DropsReports) {
+  SimulatedDeviceParameters p;
+  p.dropped_share = 0.3;
+  std::vector<bool> dropped[2];
+  for (auto& run : dropped) {
+    SimulatedDevice device(p, ramp(), 1000);
+    Vec3 before = Vec3::Zero();
+    std::int64_t age_ticks = 0;
+    for (int tick = 0; tick < 900; ++tick) {
+      if (tick > 0) device.elapse(1);
+      Vec3 now;
+      ASSERT_TRUE(device.read(now));
+      const bool is_new = now == ramp().position(tick / 1000.0);
+      EXPECT_TRUE(is_new || now == before);
+      age_ticks = is_new ? 0 : age_ticks + 1;
+      EXPECT_EQ(device.reportAge_ns(), age_ticks * 1'000'000);
+      run.push_back(!is_new);
+      before = now;
+    }
+    EXPECT_NEAR(static_cast<double>(std::count(run.begin(), run.end(), true)), 270, 60);
+  }
+  EXPECT_EQ(dropped[0], dropped[1]);
+  EXPECT_FALSE(dropped[0][0]);
 }
 
 }  // namespace simulated_device_test

@@ -150,8 +150,8 @@ void press(unsigned seed, std::int64_t& faults) {
   for (std::size_t k = 0; k < 3; ++k) p.home_counts[k] = static_cast<int>(middle[k]);
   EmulatedPolhem emulated(p, {}, path, 1e-3);
   TroubledCable cable(emulated, 0.12, seed);
-  auto polhem =
-      std::make_unique<PolhemDevice>(p, PolhemUse{.simulated_clock = true, .calibrated = true, .answer_ms = 0}, cable.opener());
+  auto polhem = std::make_unique<PolhemDevice>(
+      p, PolhemUse{.simulated_clock = true, .calibrated = true, .answer_ms = 0}, cable.opener());
   auto calibrating = std::make_unique<SelfCalibrating>(std::move(polhem), emulated);
   PlacedDevice device(std::move(calibrating), {.at_W = pole_W, .edge_stiffness_N_per_m = 0});
   LoopParameters loop;
@@ -166,8 +166,9 @@ void press(unsigned seed, std::int64_t& faults) {
   EXPECT_EQ(run.ticks_run, kTicks);
   EXPECT_TRUE(run.released);
 
-  // As the arm took it: within its 5 N, and never more in a tick than the slew allows. Half a milliampere of each motor is
-  // 0.02 N; a force that was told for another pose of the arm differs by the Jacobian's turn over the ticks that were lost.
+  // As the arm took it: within its 5 N, and never more in a tick than the slew allows. Half a milliampere of each motor
+  // is 0.02 N; a force that was told for another pose of the arm differs by the Jacobian's turn over the ticks that
+  // were lost.
   double largest_N = 0, rise_N = 0;
   for (std::size_t i = std::max<std::size_t>(1, before); i < emulated.forces_D().size(); ++i) {
     largest_N = std::max(largest_N, emulated.forces_D()[i].norm());
@@ -179,8 +180,8 @@ void press(unsigned seed, std::int64_t& faults) {
   for (const TickRecord& r : run.records) contact += r.in_contact ? 1 : 0;
   EXPECT_GT(contact, kTicks / 20);  // it still works between the faults
 
-  // Each is counted. An answer that is lost is not missed where a late one, or the first of a new connection, comes in its
-  // place: by chance, after one in 29 of these (0.12 faults, two kinds of seven).
+  // Each is counted. An answer that is lost is not missed where a late one, or the first of a new connection, comes in
+  // its place: by chance, after one in 29 of these (0.12 faults, two kinds of seven).
   const auto count = [&](Fault fault) { return static_cast<double>(cable.count(fault)); };
   const double not_missed = (count(Fault::kLate) + figureOf(device, "reconnects")) * 0.12 * 2 / 7;
   EXPECT_NEAR(figureOf(device, "reports_lost"), count(Fault::kLost) + count(Fault::kLate) - not_missed,
