@@ -37,9 +37,10 @@ void checkDevice(const Scene& scene) {
 void settleStiffness(Scene& scene, const Device& device) {
   const DeviceLimits limits = device.limits();
   if (scene.stiffness_N_per_m != Scene{}.stiffness_N_per_m || !limits.follows_force) return;
+  // Never stiffer than usual: who asks for the usual stiffness cannot be told from who asks for none.
   double most = renderableStiffness(rigSettings(scene, 0), loopParameters(scene), device);
   if (limits.stiffness_limit_N_per_m > 0) most = std::min(most, limits.stiffness_limit_N_per_m);
-  if (std::isfinite(most) && most > 0) scene.stiffness_N_per_m = roundedDown(most);
+  if (most > 0 && most < scene.stiffness_N_per_m) scene.stiffness_N_per_m = roundedDown(most);
 }
 
 std::vector<std::string> heldDeviceWords(const Scene& scene, const Device& device, const Placement& placement) {

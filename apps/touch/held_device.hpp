@@ -18,8 +18,8 @@ namespace palpate {
 // do; kBadInput for a device that nobody knows.
 void checkDevice(const Scene& scene);
 
-// A scene that asks for no stiffness of its own gets the stiffest that the device states and can render at its rate,
-// with its friction, delay and encoders.
+// A scene that asks for no stiffness of its own, or for the usual one, gets at most what the device's maker states and
+// the device can render at its rate, with its friction and delay.
 void settleStiffness(Scene& scene, const Device& device);
 
 // How the device lies in the scene, why it exerts no force, if it does not, and what its maker advises against.

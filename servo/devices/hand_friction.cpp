@@ -94,10 +94,9 @@ class Axis {
   // Moves one way until it stops or the time is over; gives the time that passed.
   [[nodiscard]] double slide(double sign, double time_s) noexcept {
     const double damping = (hand_damping_ + device_damping_) / mass_kg_;
-    const double constant =
-        (force_N_ - sign * friction_N_ - device_damping_ * path_.slope_m_per_s) / mass_kg_;
-    const Series y(state_.position_m - path_.start_m, state_.velocity_m_per_s - path_.slope_m_per_s, stiffness_ / mass_kg_,
-                   damping, constant);
+    const double constant = (force_N_ - sign * friction_N_ - device_damping_ * path_.slope_m_per_s) / mass_kg_;
+    const Series y(state_.position_m - path_.start_m, state_.velocity_m_per_s - path_.slope_m_per_s,
+                   stiffness_ / mass_kg_, damping, constant);
     const auto velocity = [&](double t) { return y.slope(t) + path_.slope_m_per_s; };
     double passed_s = time_s;
     const bool stops = sign * velocity(time_s) < 0;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/devices/hand_friction.hpp: a tick of device and hand along one axis with dry friction, cut where the motion stops
-// or breaks loose. Private to servo/devices.
+// servo/devices/hand_friction.hpp: a tick of device and hand along one axis with dry friction, cut where the motion
+// stops or breaks loose. Private to servo/devices.
 //
 // Between cuts friction is a constant force, and the motion that of a mass on spring and damper under a constant force,
-// with its path going straight: a power series, taken over parts of a tick that are short against the system's own times,
-// whose rest is below rounding. Any thread; no heap; no errors. Cost: 1 us, more where the system is stiff against the
-// tick.
+// with its path going straight: a power series, taken over parts of a tick that are short against the system's own
+// times, whose rest is below rounding. Any thread; no heap; no errors. Cost: 1 us, more where the system is stiff
+// against the tick.
 #pragma once
 
 #include "servo/devices/hand_dynamics.hpp"

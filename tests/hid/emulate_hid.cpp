@@ -44,6 +44,7 @@ struct Options {
   int unplug_after = -1;   // reports after which it is unplugged; -1: never
   int replug_ms = -1;      // and plugged in again; -1: never
   int silent_after = -1;   // reports after which it answers no more; -1: never
+  bool paced = false;      // it takes a millisecond for each report, as over a cable
   double faults = 0;       // share of answers that are lost, garbled, short, double or late
   unsigned seed = 1;
   std::string log;  // file for the devices' own account
@@ -90,6 +91,8 @@ Options parsed(int count, char** words) {
       o.replug_ms = std::stoi(value());
     } else if (word == "--silent-after") {
       o.silent_after = std::stoi(value());
+    } else if (word == "--paced") {
+      o.paced = true;
     } else if (word == "--faults") {
       o.faults = std::stod(value());
     } else if (word == "--seed") {
@@ -224,6 +227,7 @@ class Emulated {
     }
     report.size = static_cast<std::size_t>(got);
     ++reports_;
+    if (options_.paced) usleep(1000);
     if (!answers() || (options_.silent_after >= 0 && reports_ > options_.silent_after)) return;
     for (const Report& answer : reports_of_->answersTo(report)) send(answer);
     if (reports_ == options_.unplug_after) unplug();

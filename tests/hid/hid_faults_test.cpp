@@ -90,8 +90,8 @@ TEST_F(HidFaults, AKilledProgramLeavesTheForceToTheWatchdog) {
   writeWay("phantom:sphere?size=64", 2, 2, 0.5);  // ends in contact
   Words touch = pressing("60");
   touch[std::ranges::find(touch, "simulated") - touch.begin()] = "real";
-  const Outcome outcome = emulate({"--path", "way.csv", "--at", "0,0,0", "--log", "log"},
-                                  Words{"timeout", "-s", "KILL", "2", PALPATE_PROGRAM} + touch);
+  const Outcome outcome = emulate({"--path", "way.csv", "--at", "0,0,0", "--paced", "--log", "log"},
+                                  Words{"timeout", "-s", "KILL", "3", PALPATE_PROGRAM} + touch);
   EXPECT_NE(outcome.status, 0);
   const Account a = account();
   EXPECT_GT(a.left_400ms_N, 0.05);

@@ -100,7 +100,8 @@ TEST(DeviceRegistry, TheSimulatedDeviceTakesTheseValues) {
                   "hand_damping_Ns_per_m [N s/m] 0 to 10000, usually 3",
                   "hand_stiffness_N_per_m [N/m] 0 to 100000, usually 400", "mass_kg [kg] 1e-06 to 100, usually 0.05",
                   "damping_Ns_per_m [N s/m] 0 to 10000, usually 0.1", "force_limit_N [N] 0 to 1000, usually 8",
-                  "encoder_resolution_m [m] 0 to 0.01, usually 0", "delay_ticks [ticks] 0 to 1000, usually 0"));
+                  "encoder_resolution_m [m] 0 to 0.01, usually 0", "friction_N [N] 0 to 100, usually 0",
+                  "dropped_share [] 0 to 0.99, usually 0", "delay_ticks [ticks] 0 to 1000, usually 0"));
 }
 
 TEST(DeviceRegistry, ASpringHandIsAskedForByANumber) {
