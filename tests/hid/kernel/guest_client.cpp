@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "apps/devices/choose_hid.hpp"
 #include "base/error.hpp"
@@ -20,9 +21,18 @@ namespace {
 constexpr int kTicks = 900;
 constexpr double kStiffness = 400;
 
-bool check(bool holds, const std::string& what) {
-  std::printf("  %s: %s\n", holds ? "ok" : "FAILED", what.c_str());
-  return holds;
+// Each is said, also behind one that failed.
+struct Check {
+  bool holds;
+  std::string what;
+};
+bool check(const std::vector<Check>& all) {
+  bool all_hold = true;
+  for (const Check& one : all) {
+    std::printf("  %s: %s\n", one.holds ? "ok" : "FAILED", one.what.c_str());
+    all_hold = all_hold && one.holds;
+  }
+  return all_hold;
 }
 
 Vec3 wall(const Vec3& p) {
@@ -68,8 +78,8 @@ bool loops(HidBackEnd back_end) {
   SimulatedDeviceParameters p;
   p.hand = Hand::kSpring;
   SimulatedDevice exact(p, path, 1 / kGuestTick_s);
-  // The kernel drops what a USB device sends in the first 50 ms after it is opened (usbhid_open), its first report too. A
-  // device that has been asked for another one is a tick ahead.
+  // The kernel drops what a USB device sends in the first 50 ms after it is opened (usbhid_open), its first report too.
+  // A device that has been asked for another one is a tick ahead.
   exact.elapse(static_cast<int>(figure(*device, "reports_written")));
   double worst_m = 0, deepest_m = 0;
   bool all_read = true;
@@ -87,9 +97,11 @@ bool loops(HidBackEnd back_end) {
   const double resolution_m = device->limits().position_resolution_m;
   std::printf("  %d ticks, off by %.1f um at most, one count is %.1f um, %.1f mm deep\n", kTicks, 1e6 * worst_m,
               1e6 * resolution_m, -1e3 * deepest_m);
-  return check(all_read, "every tick had a position") & check(worst_m <= 2 * resolution_m, "as the simulated device") &
-         check(deepest_m < -1e-3, "in contact") & check(figure(*device, "reports_lost") == 0, "no report lost") &
-         check(figure(*device, "reports_received") >= kTicks, "a report for each tick");
+  return check({{all_read, "every tick had a position"},
+                {worst_m <= 2 * resolution_m, "as the simulated device"},
+                {deepest_m < -1e-3, "in contact"},
+                {figure(*device, "reports_lost") == 0, "no report lost"},
+                {figure(*device, "reports_received") >= kTicks, "a report for each tick"}});
 }
 
 bool survivesFaults(HidBackEnd back_end) {
@@ -100,10 +112,10 @@ bool survivesFaults(HidBackEnd back_end) {
     static_cast<void>(device->write(wall(at)));
     device->elapse(1);
   }
-  return check(figure(*device, "reports_lost") > 0, "lost reports are counted") &
-         check(figure(*device, "reports_garbled") > 0, "garbled and short ones are counted") &
-         check(figure(*device, "reports_superseded") > 0, "double ones are counted") &
-         check(figure(*device, "disconnects") == 0, "it stays connected");
+  return check({{figure(*device, "reports_lost") > 0, "lost reports are counted"},
+                {figure(*device, "reports_garbled") > 0, "garbled and short ones are counted"},
+                {figure(*device, "reports_superseded") > 0, "double ones are counted"},
+                {figure(*device, "disconnects") == 0, "it stays connected"}});
 }
 
 bool comesBack(HidBackEnd back_end) {
@@ -118,9 +130,11 @@ bool comesBack(HidBackEnd back_end) {
   }
   for (int tick = 0; tick < 5; ++tick) device->elapse(1);
   Vec3 at;
-  return check(was_away, "it was told that it is gone") & check(figure(*device, "disconnects") == 1, "gone once") &
-         check(figure(*device, "reconnects") == 1, "back once") & check(device->read(at), "it has positions again") &
-         check(device->forceOff() == ForceOff::kUncalibrated, "without force until it is calibrated");
+  return check({{was_away, "it was told that it is gone"},
+                {figure(*device, "disconnects") == 1, "gone once"},
+                {figure(*device, "reconnects") == 1, "back once"},
+                {device->read(at), "it has positions again"},
+                {device->forceOff() == ForceOff::kUncalibrated, "without force until it is calibrated"}});
 }
 
 bool run(const std::string& name, HidBackEnd back_end) {
@@ -129,14 +143,14 @@ bool run(const std::string& name, HidBackEnd back_end) {
   if (name == "replug") return comesBack(back_end);
   const std::string why = refusal(back_end);
   std::printf("  %s\n", why.c_str());
-  if (name == "none") return check(has(why, "none of this machine's HID devices is one"), "there is none");
+  if (name == "none") return check({{has(why, "none of this machine's HID devices is one"), "there is none"}});
   if (name == "two") {
-    return check(has(why, "there are two"), "there are two") &
-           check(refusal(back_end, "/dev/hidraw1").empty(), "the second can be chosen");
+    return check({{has(why, "there are two"), "there are two"},
+                  {refusal(back_end, "/dev/hidraw1").empty(), "the second can be chosen"}});
   }
-  if (name == "gadget") return check(has(why, "is another thing: its usage is ff00:0001"), "another thing");
-  if (name == "silent") return check(has(why, "it answers no report"), "it answers nothing");
-  return check(false, "there is no case " + name);
+  if (name == "gadget") return check({{has(why, "is another thing: its usage is ff00:0001"), "another thing"}});
+  if (name == "silent") return check({{has(why, "it answers no report"), "it answers nothing"}});
+  return check({{false, "there is no case " + name}});
 }
 
 }  // namespace
