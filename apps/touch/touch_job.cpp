@@ -315,6 +315,7 @@ class TouchJob {
   std::optional<ScriptedPath> path_;
   std::unique_ptr<Device> device_;
   RecordingDevice* recorder_ = nullptr;  // device_, if the session is recorded
+  std::optional<Recording> recording_;
   DeviceLimits limits_;
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
@@ -437,7 +438,7 @@ void TouchJob::feel() {
   run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
   if (isHeld(scene_)) run_.device = heldDevice(scene_.device, *device_);
-  if (recorder_ != nullptr) saveRecording(scene_.record, recorder_->recording());
+  if (recorder_ != nullptr) recording_ = recorder_->recording();
   device_.reset();  // its threads end; it was told to exert no force
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
@@ -500,6 +501,7 @@ TouchRun TouchJob::tell() {
   run_.libraries = mappedLibraries();
   if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);
+  if (recording_) saveRecording(scene_.record, *recording_);  // last: a full disk then leaves the report
   tellWhatIsKept("what was felt is in " + scene_.out);
   progress_.done();
   return std::move(run_);
