@@ -184,6 +184,16 @@ bool Started::runs() {
   return false;
 }
 
+bool Started::computes() const {
+  std::error_code gone;
+  for (const auto& thread : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process_), gone)) {
+    const std::string line = textOf(thread.path() / "stat");  // 12 (engine) S ...
+    const std::size_t end = line.rfind(") ");
+    if (end != std::string::npos && line.find("(servo)") == std::string::npos && line.compare(end, 3, ") R") == 0) return true;
+  }
+  return false;
+}
+
 void Started::signals(int number) const {
   kill(process_, number);
 }

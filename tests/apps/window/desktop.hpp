@@ -82,6 +82,8 @@ class Started {
   Started& operator=(const Started&) = delete;
 
   [[nodiscard]] bool runs();
+  // Whether a thread other than the servo's has, or waits for, a processor now.
+  [[nodiscard]] bool computes() const;
   void signals(int number) const;
   // Its exit status, or 256 and the signal; -1 if it does not end within a minute.
   [[nodiscard]] int ends();

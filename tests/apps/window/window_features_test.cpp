@@ -7,6 +7,7 @@
 #include <cairo/cairo.h>
 
 #include "apps/path/path_csv.hpp"
+#include "apps/sculpt/brush_choice.hpp"
 #include "apps/sculpt/session_folders.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "sculpt_window.hpp"
@@ -69,7 +70,32 @@ TEST_F(OnADesktop, RecordsTheToolsWay) {
   EXPECT_GT((path.back().p_W - path.front().p_W).norm(), 5e-3);
 }
 
-// What was drilled while it was recorded is drilled again by `palpate touch`, about as deep.
+// What was drilled, and where: the middle of what changed, weighted by how much [m].
+struct Hollow {
+  double amount = 0;
+  Vec3 middle_W = Vec3::Zero();
+};
+Hollow hollow(const Volume& before, const Volume& after) {
+  Hollow out;
+  const std::vector<float> a = before.toDense(), b = after.toDense();
+  const Vec3i size = before.size();
+  std::size_t at = 0;
+  for (int z = 0; z < size.z(); ++z) {
+    for (int y = 0; y < size.y(); ++y) {
+      for (int x = 0; x < size.x(); ++x, ++at) {
+        const double change = std::abs(static_cast<double>(b[at]) - a[at]);
+        out.amount += change;
+        out.middle_W += change * before.lattice().toWorld(Vec3(x, y, z));
+      }
+    }
+  }
+  out.middle_W /= out.amount;
+  return out;
+}
+
+// What was drilled while it was recorded is drilled again by `palpate touch`, in the same place. How deep depends on how
+// far the real servo's windows lagged behind the hand, by half on a busy machine: the replay's do not lag. The place may
+// differ by what the hand yields to the force and by that lag: by less than the brush's radius.
 TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();
@@ -77,21 +103,17 @@ TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
   ASSERT_TRUE(drills());
   desktop->does({"key", "F9"});
   endsWell();
-  const Volume ball = loadVolume(kBall), drilled = replayed(journal());
+  const Volume ball = loadVolume(kBall);
   const std::string out = (folder.path() / "again.nrrd").string();
   Started again("", home(),
                 {"touch", kBall, "--path", fileIn(home(), ".csv").string(), "--clock", "simulated", "--picture", "off",
                  "--save", out, "--out", (folder.path() / "out").string()});
   ASSERT_EQ(again.ends(), 0) << again.said();
-  const auto changed = [&](const Volume& volume) {
-    double sum = 0;
-    const std::vector<float> before = ball.toDense(), after = volume.toDense();
-    for (std::size_t i = 0; i < before.size(); ++i) sum += std::abs(static_cast<double>(after[i]) - before[i]);
-    return sum;
-  };
-  const double by_hand = changed(drilled), by_replay = changed(loadVolume(out));
-  EXPECT_GT(by_hand, 0);
-  EXPECT_NEAR(by_replay, by_hand, 0.3 * by_hand);
+  const Hollow by_hand = hollow(ball, replayed(journal())), by_replay = hollow(ball, loadVolume(out));
+  ASSERT_GT(by_hand.amount, 0);
+  EXPECT_GT(by_replay.amount, 0.25 * by_hand.amount);
+  EXPECT_LT(by_replay.amount, 4 * by_hand.amount);
+  EXPECT_LT((by_replay.middle_W - by_hand.middle_W).norm(), BrushChoice().radius_m);
 }
 
 // Without a mouse: the pointer begins in the middle of the picture.
