@@ -9,6 +9,7 @@
 
 #include "engine/journal/journal_reader.hpp"
 #include "program_test.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace full_disk_test {
@@ -80,6 +81,7 @@ class FullDisk : public ProgramTest {
 
 // A limit on the size of files stands for the full disk. It is above the report (some 480 KB) and below the journal.
 TEST_F(FullDisk, AtALimitOfFilesSizeTheSessionGoesOn) {
+  PALPATE_LONG_ONLY();
   write("sculpted.nrrd", "old");
   const Outcome outcome = runPalpate({.arguments = session(""), .folder = folder(), .file_size_limit = 560'000});
   expectAllIsTold(outcome, "");
@@ -111,6 +113,7 @@ TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
 
 // The log of the run lies there too: what cannot be told is no reason to end. The journal says less than it might.
 TEST_F(FullDisk, WithItsLogOnTheFullFileSystemTheSessionGoesOn) {
+  PALPATE_LONG_ONLY();
   const std::filesystem::path disk = file("disk");
   std::filesystem::create_directory(disk);
   if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
@@ -131,6 +134,7 @@ TEST_F(FullDisk, WithItsLogOnTheFullFileSystemTheSessionGoesOn) {
 
 // A limit of the file size, below the journal and above nothing: log and journal end, the session does not.
 TEST_F(FullDisk, WithALogThatIsFullTheSessionGoesOn) {
+  PALPATE_LONG_ONLY();
   write("log", std::string(600'000, 'x'));
   write("sculpted.nrrd", "old");
   const Outcome outcome = runPalpate(

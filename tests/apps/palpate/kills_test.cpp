@@ -3,8 +3,8 @@
 // acknowledged edit must be in the journal, the recovered volume must be what the slow, obvious twin makes of the
 // edits, and a file that was saved beside the session must be its volume after one of its edits.
 //
-// PALPATE_KILLS: how often (6; `./dev kills` takes 100). PALPATE_KILLS_SEED: of the moments. PALPATE_KILLS_RESULTS: the
-// folder that gets what was counted.
+// PALPATE_KILLS: how often (4, in a long run 12; `./dev kills` takes 100). PALPATE_KILLS_SEED: of the moments.
+// PALPATE_KILLS_RESULTS: the folder that gets what was counted.
 #include <chrono>
 #include <cstdlib>
 #include <map>
@@ -25,6 +25,7 @@
 #include "kill_figures.hpp"
 #include "kill_sessions.hpp"
 #include "program_test.hpp"
+#include "tests/support/long_run.hpp"
 
 extern char** environ;
 
@@ -215,7 +216,7 @@ TEST_F(Kills, LoseNoAcknowledgedEdit) {
     ASSERT_GE(sessions[kind].records, 100U) << killName(kind) << " hardly edits";
     figures[kind] = {.kind = killName(kind), .records_in_all = sessions[kind].records};
   }
-  const int kills = numberFrom("PALPATE_KILLS", 6);
+  const int kills = numberFrom("PALPATE_KILLS", isLongRun() ? 12 : 4);
   const int seed = numberFrom("PALPATE_KILLS_SEED", 1);
   std::mt19937 random(static_cast<unsigned>(seed));
   int killed = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A request to stop at any moment of any verb: it ends with its own status, and each file is whole or not there.
 //
-// PALPATE_SIGNALS: how many requests (16). PALPATE_SIGNALS_SEED: of their moments.
+// PALPATE_SIGNALS: how many requests (8; in a long run 60). PALPATE_SIGNALS_SEED: of their moments.
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
@@ -16,6 +16,7 @@
 #include "engine/files/library_read.hpp"
 #include "program_test.hpp"
 #include "promised_end.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace signals_test {
@@ -135,7 +136,7 @@ void tell(std::vector<double> ends_s) {
 
 TEST_F(Signals, AtAnyMomentEndTheWorkInGoodOrder) {
   std::mt19937 random(static_cast<unsigned>(numberFrom("PALPATE_SIGNALS_SEED", 1)));
-  const int requests = numberFrom("PALPATE_SIGNALS", 16);
+  const int requests = numberFrom("PALPATE_SIGNALS", isLongRun() ? 60 : 8);
   std::vector<double> ends_s;  // from request to end
   for (int i = 0; i < requests; ++i) {
     const Words& work = kWork[static_cast<std::size_t>(i) % std::size(kWork)];

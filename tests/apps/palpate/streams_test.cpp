@@ -9,6 +9,7 @@
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "program_test.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace streams_test {
@@ -78,6 +79,8 @@ class Streams : public ProgramTest, public testing::WithParamInterface<VerbCase>
 };
 
 TEST_P(Streams, ThatAreClosedFullOrUnreadChangeNoFile) {
+  const bool takes_seconds = GetParam().name == std::string("Plan") || GetParam().name == std::string("Tune");
+  if (takes_seconds) PALPATE_LONG_ONLY();
   const std::vector<std::string> files = filesOfAnyOtherRun();
   const auto expectFiles = [&](const std::string& how) {
     EXPECT_EQ(taken(), files) << how;

@@ -12,6 +12,7 @@
 
 #include "apps/sculpt/session_folders.hpp"
 #include "engine/journal/volume_identity.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace sculpt_window_test {
@@ -61,6 +62,7 @@ TEST_F(OnADesktop, DrillsUndoesAndSaves) {
 // Dragging with the right button takes the groove elsewhere, and a key brings it back; the wheel makes the ball
 // smaller, and another key as it was.
 TEST_F(OnADesktop, TurnsAndZooms) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   ASSERT_TRUE(drills());

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "sculpt_window.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace window_display_test {
@@ -37,6 +38,7 @@ class OnABadDesktop : public OnADesktop {
 constexpr int kTimeout = 2, kSurfaceLost = -1'000'000'000, kOutOfDate = -1'000'001'004, kDeviceLost = -4;
 
 TEST_F(OnABadDesktop, GoesOnWithANewSurface) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const Screen before = desktop->look();

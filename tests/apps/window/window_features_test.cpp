@@ -11,6 +11,7 @@
 #include "apps/sculpt/session_folders.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "sculpt_window.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace window_features_test {
@@ -93,9 +94,9 @@ Hollow hollow(const Volume& before, const Volume& after) {
   return out;
 }
 
-// What was drilled while it was recorded is drilled again by `palpate touch`, in the same place. How deep depends on how
-// far the real servo's windows lagged behind the hand, by half on a busy machine: the replay's do not lag. The place may
-// differ by what the hand yields to the force and by that lag: by less than the brush's radius.
+// What was drilled while it was recorded is drilled again by `palpate touch`, in the same place. How deep depends on
+// how far the real servo's windows lagged behind the hand, by half on a busy machine: the replay's do not lag. The
+// place may differ by what the hand yields to the force and by that lag: by less than the brush's radius.
 TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();
@@ -147,6 +148,7 @@ TEST_F(OnADesktop, DrillsAndTurnsByTheKeyboardAlone) {
 
 // A groove is deeper where the force is larger, and where the brush is stronger. One that is mirrored is there twice.
 TEST_F(OnADesktop, DrillsAsItsSlidersSay) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const Screen before = desktop->look();
@@ -192,6 +194,7 @@ TEST_F(OnADesktop, ShowsASecondSurface) {
 }
 
 TEST_F(OnADesktop, GoesToAnotherIsovalue) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const int before = ballPixels(desktop->look());
@@ -203,6 +206,7 @@ TEST_F(OnADesktop, GoesToAnotherIsovalue) {
 
 // Half of the ball is cut away; what is left is as it was, but for the shade of hollows beside the cut.
 TEST_F(OnADesktop, CutsTheBall) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const Screen before = desktop->look();
@@ -229,6 +233,7 @@ TEST_F(OnADesktop, CutsTheBall) {
 }
 
 TEST_F(OnADesktop, IsDrawnAnewAtAnotherSize) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const Screen before = desktop->look();

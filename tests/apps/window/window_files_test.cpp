@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "sculpt_window.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace window_files_test {
@@ -102,6 +103,7 @@ TEST_F(OnADesktop, AsksBeforeItLeavesUnsavedWork) {
 
 // One that is damaged leaves what is open, and is named; the first of several good ones takes its place.
 TEST_F(OnADesktop, OpensWhatIsDropped) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   const Screen before = desktop->look();
@@ -142,6 +144,7 @@ TEST_F(OnADesktop, SaysThatAFileCannotBeWritten) {
 
 // The volume's values are larger than the disk.
 TEST_F(OnADesktop, SaysThatADiskIsFull) {
+  PALPATE_LONG_ONLY();
   const SmallDisk disk(folder.path() / "disk");
   if (!disk.isThere()) GTEST_SKIP() << kNoDisk;
   start();
@@ -160,6 +163,7 @@ TEST_F(OnADesktop, SaysThatADiskIsFull) {
 
 // The journal can take no more. The session goes on and says so, and a file takes all of it.
 TEST_F(OnADesktop, GoesOnWithoutItsJournal) {
+  PALPATE_LONG_ONLY();
   const SmallDisk disk(home() / ".local/state");
   if (!disk.isThere()) GTEST_SKIP() << kNoDisk;
   start();
@@ -181,6 +185,7 @@ TEST_F(OnADesktop, GoesOnWithoutItsJournal) {
 
 // And where no file takes it, the program says at its end that something is lost.
 TEST_F(OnADesktop, EndsWithAnErrorWhereItsJournalLostEdits) {
+  PALPATE_LONG_ONLY();
   const SmallDisk disk(home() / ".local/state");
   if (!disk.isThere()) GTEST_SKIP() << kNoDisk;
   start();

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// tests/support/long_run.hpp: what `./dev test` leaves to `./dev test-long`, so that it ends within 20 minutes on two
+// cores: cases that differ little from others that stay.
+#pragma once
+
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+namespace palpate {
+
+inline bool isLongRun() {
+  return std::getenv("PALPATE_LONG") != nullptr;
+}
+
+}  // namespace palpate
+
+#define PALPATE_LONG_ONLY() \
+  if (!palpate::isLongRun()) GTEST_SKIP() << "a long test: ./dev test-long runs it"
