@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/files/whole_gzip.hpp"
 
+#include <memory>
 #include <new>
-#include <vector>
 
 #include <libdeflate.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "base/large_pages.hpp"
 
 namespace palpate {
 namespace {
@@ -14,10 +16,18 @@ namespace {
 constexpr std::uint64_t kLeastMember = 18;     // header and trailer (RFC 1952, 2.3)
 constexpr std::uint64_t kMostUnpacked = 1032;  // unpacked bytes for each packed byte (deflate's limit)
 
-std::vector<unsigned char> bytesFrom(int descriptor, std::uint64_t offset, std::uint64_t count) {
-  std::vector<unsigned char> bytes(count);
+template <class Byte>
+std::unique_ptr<Byte[]> room(std::uint64_t count) {
+  std::unique_ptr<Byte[]> bytes = std::make_unique_for_overwrite<Byte[]>(count);
+  wishLargePages(bytes.get(), count);
+  return bytes;
+}
+
+// Empty if the file has fewer.
+std::unique_ptr<unsigned char[]> bytesFrom(int descriptor, std::uint64_t offset, std::uint64_t count) {
+  std::unique_ptr<unsigned char[]> bytes = room<unsigned char>(count);
   for (std::uint64_t done = 0; done < count;) {
-    const ssize_t got = pread(descriptor, bytes.data() + done, count - done, static_cast<off_t>(offset + done));
+    const ssize_t got = pread(descriptor, bytes.get() + done, count - done, static_cast<off_t>(offset + done));
     if (got <= 0) return {};
     done += static_cast<std::uint64_t>(got);
   }
@@ -36,7 +46,7 @@ std::uint64_t toldLength(std::span<const unsigned char> packed) {
 std::optional<WholeGzip> unpacked(std::span<const unsigned char> packed) {
   const std::uint64_t length = toldLength(packed);
   if (length > kMostWholeGzipBytes || length > kMostUnpacked * packed.size()) return {};
-  WholeGzip whole{std::make_unique_for_overwrite<char[]>(length), length};
+  WholeGzip whole{room<char>(length), length};
   const std::unique_ptr<libdeflate_decompressor, void (*)(libdeflate_decompressor*)> decompressor(
       libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
   if (decompressor == nullptr) return {};
@@ -55,9 +65,9 @@ std::optional<WholeGzip> wholeGzip(int descriptor, std::uint64_t offset) {
   const auto size = static_cast<std::uint64_t>(facts.st_size);
   if (size < offset + kLeastMember || size - offset > kMostWholeGzipBytes) return {};
   try {
-    const std::vector<unsigned char> packed = bytesFrom(descriptor, offset, size - offset);
-    if (packed.empty()) return {};
-    return unpacked(packed);
+    const std::unique_ptr<unsigned char[]> packed = bytesFrom(descriptor, offset, size - offset);
+    if (packed == nullptr) return {};
+    return unpacked({packed.get(), size - offset});
   } catch (const std::bad_alloc&) {
     return {};
   }

@@ -8,6 +8,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/large_pages.hpp"
 #include "engine/gpu/vulkan_state.hpp"
 
 namespace palpate::gpu {
@@ -52,6 +53,7 @@ Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) :
     state_->memory = {vulkan.device, vk::MemoryAllocateInfo{.allocationSize = need.size, .memoryTypeIndex = type}};
     state_->buffer.bindMemory(*state_->memory, 0);
     if (hostReachable(vulkan.physical, type)) state_->mapped = state_->memory.mapMemory(0, VK_WHOLE_SIZE);
+    if (vulkan.info.isCpu() && state_->mapped != nullptr) wishLargePages(state_->mapped, need.size);
     vulkan.name(state_->buffer, state_->name);
     vulkan.name(state_->memory, state_->name + " memory");
   } catch (const vk::SystemError& error) {
