@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/files/volume_name.hpp"
+#include "scene_flag.hpp"
 
 namespace palpate {
 std::string shellWord(const std::string& word) {
@@ -24,12 +25,7 @@ SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) 
   verb.add_option("source", source_, "volume (file, DICOM folder, 'phantom:NAME?size=64') or scene file (.toml)")
       ->type_name("VOLUME|SCENE.toml");
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    const SceneOption& option = sceneOptions()[i];
-    CLI::Option* added = isBare(option.value) ? verb.add_flag_callback(
-                                                    option.flag, [] {}, optionHelp(option))
-                                              : verb.add_option(option.flag, values_[i], optionHelp(option));
-    options_.push_back(added->type_name(" ")->group(optionGroup(option)));
-    if (isBare(option.value)) values_[i] = std::get<SwitchOption>(option.value).word_if_true;
+    options_.push_back(addSceneFlag(verb, sceneOptions()[i], values_[i]));
   }
   verb.add_option("--object", objects_, objectHelp())
       ->type_name(" ")

@@ -2,10 +2,27 @@
 // palpate sculpt IN: a window in which a volume is seen, touched and edited.
 #include "apps/console/message.hpp"
 #include "apps/sculpt/sculpt_session.hpp"
+#include "scene_flag.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 
 namespace palpate {
+namespace {
+
+// Of the device: all that is not of a simulated one's dynamics or of recordings.
+constexpr const char* kDeviceKeys[] = {"device.name",
+                                       "device.path",
+                                       "device.hid",
+                                       "device.calibrated",
+                                       "device.current_limit_A",
+                                       "device.place_at_mm",
+                                       "device.place_turn_deg",
+                                       "device.place_scale",
+                                       "device.force_scale",
+                                       "device.clutch",
+                                       "device.edge_stiffness_N_per_m"};
+
+}  // namespace
 
 void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run) {
   CLI::App* verb = app.add_subcommand("sculpt", "see, touch and edit a volume in a window");
@@ -18,10 +35,12 @@ void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run)
                    "isovalue of the surface [density]; as `palpate touch` chooses it if not given");
   verb->add_option("--gpu", request->gpu, "part of the name of the Vulkan device (default: the best one)")
       ->check(notEmpty);
-  verb->add_option("--device", request->device, "haptic device by name ('palpate devices' lists them)")
-      ->capture_default_str();
   addVolumeOptions(*verb, request->volume);
-  verb->callback([request, run = std::move(run)] { run(*request); });
+  auto flags = std::make_shared<SceneFlags>(*verb, kDeviceKeys);
+  verb->callback([request, flags, run = std::move(run)] {
+    flags->apply(request->device);
+    run(*request);
+  });
 }
 
 }  // namespace palpate

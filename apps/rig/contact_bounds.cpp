@@ -91,6 +91,20 @@ double renderableStiffness(const RigSettings& settings, const LoopParameters& lo
   return stiffnessBound(worstLoop(loop, device, damping), damping);
 }
 
+double usualStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  const DeviceLimits limits = device.limits();
+  const double asked = settings.parameters.stiffness_N_per_m;
+  if (!limits.follows_force) return asked;
+  double most = renderableStiffness(settings, loop, device);
+  for (const HandParameters& hand : device.hands()) {
+    // 2 f / D alone: the other term of that bound is for a wall without damping, and the sampled loop is exact.
+    if (hand.device_friction_N > 0 && limits.position_resolution_m > 0)
+      most = std::min(most, 2 * hand.device_friction_N / limits.position_resolution_m);
+  }
+  const double wanted = limits.stiffness_limit_N_per_m > 0 ? limits.stiffness_limit_N_per_m : asked;
+  return most < wanted ? twoDigits(most, std::floor) : wanted;
+}
+
 std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   if (device.hands().empty() || loop.passivity.control || !mayShake(settings, loop, device)) return {};
   if (!algorithmEntry(settings.algorithm).traits.shows_surface) return {};

@@ -24,6 +24,11 @@ namespace palpate {
 // device, or the algorithm has no stiffness.
 [[nodiscard]] double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
+// The stiffness to begin with on a device that a person holds, where nobody asked for one [N/m]: what its maker states,
+// or else the settings'; in both cases no more than is stable in every hand and than its encoders and its dry friction
+// make passive (servo/stability/passivity_bounds.hpp), in two digits. A device that no force moves gets the settings'.
+[[nodiscard]] double usualStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
+
 // What lies beyond the bounds, one line each, with the values that would be safe. Empty: nothing does, or nothing is
 // known. With the passivity controller the bounds do not apply.
 [[nodiscard]] std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop,

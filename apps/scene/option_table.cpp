@@ -64,6 +64,9 @@ constexpr const char* kFields[] = {"density", "distance"};
 constexpr const char* kSampleForms[] = {"float", "half"};
 constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
+const std::string kStiffnessHelp = fmt::format(
+    "stiffness of the contact, K; if not given {:g}, or what a device that is held bears", kUsualStiffness_N_per_m);
+
 // clang-format off
 const SceneOption kOptions[] = {
     {"--volume", "volume", "", "file, DICOM folder or 'phantom:NAME?size=64&noise=0.05'", TextOption{&Scene::volume}},
@@ -86,7 +89,7 @@ const SceneOption kOptions[] = {
     {"--window", "window", "voxel", "edge of the box of samples around the tool that the servo reads: smaller ones are gathered sooner and more often", integer(&Scene::window_edge, 8, 32)},
     {"--algorithm", "servo.algorithm", "", "haptic algorithm", WordOption{&Scene::algorithm, algorithmNames()}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
-    {"--stiffness", "servo.stiffness_N_per_m", "N/m", "stiffness of the contact, K", number(&Scene::stiffness_N_per_m, 1, 0, 1e5)},
+    {"--stiffness", "servo.stiffness_N_per_m", "N/m", kStiffnessHelp.c_str(), NumberOption{&Scene::stiffness_N_per_m, 1, 0, 1e5}},
     {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
     {"--rate", "servo.rate_hz", "Hz", "servo rate", number(&Scene::rate_hz, 1, 10, 20000)},
     {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},

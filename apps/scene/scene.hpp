@@ -41,7 +41,7 @@ struct Scene {
   // servo
   std::string algorithm = defaultAlgorithm();
   int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks
-  double stiffness_N_per_m = 500;
+  std::optional<double> stiffness_N_per_m;  // empty: usual, or what a device that is held bears
   double damping_Ns_per_m = 0.5;
   double rate_hz = 1000;
   double duration_s = 5;
@@ -120,5 +120,10 @@ struct Scene {
   int image_width = 1280;
   int image_height = 720;
 };
+
+inline constexpr double kUsualStiffness_N_per_m = 500;
+[[nodiscard]] inline double stiffnessOf(const Scene& scene) noexcept {
+  return scene.stiffness_N_per_m.value_or(kUsualStiffness_N_per_m);
+}
 
 }  // namespace palpate

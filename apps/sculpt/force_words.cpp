@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue) {
+ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, bool held) {
   ForceWords words;
   if (!runs) {
     words.state = "the servo is not running";
@@ -33,8 +33,8 @@ ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue) {
   } else if (tick.density <= isovalue) {
     words.reasons.push_back(
         fmt::format("the tool is outside the object (density {:.4g} there, the surface is at {:.4g}): "
-                    "press the left button on the object",
-                    tick.density, isovalue));
+                    "{}",
+                    tick.density, isovalue, held ? "move the device to it" : "press the left button on the object"));
   } else {
     words.reasons.emplace_back("the tool was inside the object before it touched its surface: take it out once");
   }

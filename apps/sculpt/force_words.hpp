@@ -14,7 +14,8 @@ struct ForceWords {
   std::vector<std::string> reasons;  // why there is no force, or less than there would be, each with its remedy
 };
 
-// `tick`: the newest; tick -1: the servo has not begun. `runs`: whether the servo does.
-[[nodiscard]] ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue);
+// `tick`: the newest; tick -1: the servo has not begun. `runs`: whether the servo does. `held`:
+// whether a person holds the device; else a pointer leads it.
+[[nodiscard]] ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, bool held = false);
 
 }  // namespace palpate

@@ -9,6 +9,8 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/convert/convert_job.hpp"
+#include "apps/held/held_device.hpp"
+#include "apps/held/held_words.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "apps/rig/contact_bounds.hpp"
@@ -20,6 +22,7 @@
 #include "engine/journal/replay.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "engine/service/engine.hpp"
+#include "servo/devices/registry.hpp"
 
 namespace palpate {
 namespace {
@@ -37,6 +40,12 @@ Vec3 restingPlace(const SeenExtent& object) {
   return object.middle_W - Vec3(0, 1.5 * front_m, 0);
 }
 
+void checkDevice(const Scene& scene) {
+  checkHeldDevice(scene);
+  if (isHeld(scene) || deviceEntry(scene.device).needs_path) return;
+  refuse("--device " + scene.device, "a window plays no recording back", "take 'palpate touch' for that");
+}
+
 // The file, and the folder if nothing else is in it.
 void removeJournal(const std::filesystem::path& folder) {
   std::error_code ignored;
@@ -46,12 +55,19 @@ void removeJournal(const std::filesystem::path& folder) {
 
 }  // namespace
 
-SculptSession::SculptSession(const SculptRequest& request, Progress& progress) : journal_(request.journal) {
+Scene withMouse() {
+  Scene scene;
+  scene.device = "mouse";
+  return scene;
+}
+
+SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
+    : journal_(request.journal), scene_(request.device), loop_(request.loop), first_settings_(request.servo) {
+  checkDevice(scene_);  // before the work
   progress.stage("loading " + request.volume);
   volume_ = loadAndTell(request.volume, progress);
   if (const std::string& remark = volume_->facts().remark; !remark.empty()) tell(remark);
   checkTouchable(*volume_);
-  static_cast<void>(deviceEntry(request.device));  // before the work
   std::optional<Journal> journal;
   if (!request.recovers.empty()) {
     journal = readJournal(request.recovers);
@@ -78,26 +94,31 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress) :
                                       [this](const std::string& text) { tell(text); });
   if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
   volume_->keepIsovalue(first_isovalue_);
-  const DensityScale scale = densityScaleOf(*volume_, first_isovalue_);
+  scale_ = densityScaleOf(*volume_, first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (journal) makeAgain(*journal, progress);
   if (journal && !journalHolds())
     tell(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
 
-  LoopParameters loop = request.loop;
-  loop.ticks = 0;
-  loop.record_ticks = 1;
-  path_.emplace(restingPlace(facts_.object));
-  device_ = makeDevice(request.device, {.path = &*path_, .rate_hz = loop.rate_hz});
-  RigSettings settings = request.servo;
-  settings.parameters.isovalue = first_isovalue_;
-  settings.parameters.rate_hz = loop.rate_hz;
-  for (const std::string& warning : boundWarnings(settings, loop, *device_)) tell(warning);
-  rig_ = std::make_unique<TouchRig>(*engine_, *device_, loop, RigVolume{.scale = scale}, std::move(settings),
-                                    edits_.get());
+  loop_.ticks = 0;
+  loop_.record_ticks = 1;
+  scene_.rate_hz = loop_.rate_hz;
+  first_settings_.parameters.isovalue = first_isovalue_;
+  first_settings_.parameters.rate_hz = loop_.rate_hz;
+  if (!isHeld(scene_)) {
+    path_.emplace(restingPlace(facts_.object));
+    device_ = makeDevice(scene_.device, {.path = &*path_, .rate_hz = loop_.rate_hz});
+    makeRig();
+  }
+  progress.done();
+}
+
+void SculptSession::makeRig() {
+  for (const std::string& warning : boundWarnings(first_settings_, loop_, *device_)) tell(warning);
+  rig_ =
+      std::make_unique<TouchRig>(*engine_, *device_, loop_, RigVolume{.scale = scale_}, first_settings_, edits_.get());
   rig_->drawFor(view_);
   rig_->keepTicks(kKeptTicks);
-  progress.done();
 }
 
 bool SculptSession::journalHolds() {
@@ -127,6 +148,15 @@ const gpu::GpuInfo& SculptSession::gpu() const noexcept {
 }
 
 void SculptSession::start() {
+  if (!rig_) {
+    HeldDevice held = makeHeldDevice(scene_, boxOf(facts_.lattice, facts_.size));
+    device_ = std::move(held.device);
+    first_settings_.parameters.stiffness_N_per_m = usualStiffness(first_settings_, loop_, *device_);
+    for (const std::string& words :
+         heldDeviceWords(scene_.device, *device_, held.placement, first_settings_.parameters.stiffness_N_per_m))
+      tell(words);
+    makeRig();
+  }
   rig_->start();
   started_ = true;
 }

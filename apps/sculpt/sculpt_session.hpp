@@ -19,14 +19,18 @@
 #include "apps/render/fit_camera.hpp"
 #include "apps/rig/live_view.hpp"
 #include "apps/rig/touch_rig.hpp"
+#include "apps/scene/scene.hpp"
 #include "apps/sculpt/pointer_path.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "engine/session/edit_session.hpp"
-#include "servo/devices/registry.hpp"
+#include "servo/devices/device.hpp"
 
 namespace palpate {
+
+// A scene whose device is the mouse.
+[[nodiscard]] Scene withMouse();
 
 struct SculptRequest {
   std::string volume = {};               // as loadVolume takes it
@@ -36,9 +40,9 @@ struct SculptRequest {
   std::filesystem::path journal = {};    // folder for the journal; empty: none
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
-  std::string device = std::string(devices().front().name);
-  LoopParameters loop = {};  // its ticks are set: the servo runs until close()
-  RigSettings servo = {};    // its isovalue is set
+  Scene device = withMouse();            // device, and how a real one is opened and placed; the rest is not read
+  LoopParameters loop = {};              // its ticks are set: the servo runs until close()
+  RigSettings servo = {};                // its isovalue is set
 };
 
 // What a volume is, as loaded.
@@ -71,18 +75,23 @@ class SculptSession {
 
   [[nodiscard]] const SculptVolume& volume() const noexcept { return facts_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
-  [[nodiscard]] std::string_view device() const noexcept { return device_->name(); }
+  [[nodiscard]] const std::string& device() const noexcept { return scene_.device; }
+  [[nodiscard]] bool deviceIsHeld() const noexcept { return !path_; }  // by a person: the pointer leads nothing
   // What the engine computes, and what it leaves out.
   [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept { return plan_; }
 
-  // The servo and the drawing, until close().
+  // The servo and the drawing, until close(). Takes the device, if a person holds it: another session must have been
+  // closed by then. Throws as makeHeldDevice() does.
   void start();
   [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
   // Before start(): whether every edit made until now is on the disk, in the journal. Waits for the disk.
   [[nodiscard]] bool journalHolds();
 
   LiveView& view() noexcept { return view_; }
-  void aim(const Vec3& hip_W) noexcept { path_->aim(hip_W); }
+  // Where the pointer leads the tool, unless a person holds the device.
+  void aim(const Vec3& hip_W) noexcept {
+    if (path_) path_->aim(hip_W);
+  }
   // The newest tick; all since the last call are appended to `records`.
   [[nodiscard]] const TickRecord& tick() { return rig_->ticks().latest(); }
   void takeTicks(std::vector<TickRecord>& records) { rig_->ticks().take(records); }
@@ -112,6 +121,7 @@ class SculptSession {
  private:
   class SavePromise;
   void tell(const std::string& text);
+  void makeRig();
   void makeAgain(const Journal& journal, Progress& progress);
   [[nodiscard]] bool isUnsaved(const RigEdits::State& state) const;
 
@@ -129,6 +139,10 @@ class SculptSession {
   std::unique_ptr<EditSession> session_;
   std::unique_ptr<RigEdits> edits_;
   LiveView view_;
+  Scene scene_;
+  LoopParameters loop_;
+  RigSettings first_settings_;
+  DensityScale scale_;
   std::optional<PointerPath> path_;
   std::unique_ptr<Device> device_;
   std::unique_ptr<TouchRig> rig_;

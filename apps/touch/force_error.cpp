@@ -21,7 +21,7 @@ bool isSurfaceForce(const TickRecord& record) {
 double springStiffness(const Scene& scene) {
   double factor = scene.stiffness_density.empty() ? 1 : 0;
   for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
-  return scene.stiffness_N_per_m * factor;
+  return stiffnessOf(scene) * factor;
 }
 
 std::optional<TruePoint> exactSurfacePoint(const Phantom& phantom, const Vec3& hip_W) {

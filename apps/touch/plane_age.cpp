@@ -66,7 +66,7 @@ std::optional<std::string> noteOnPlaneAge(const Scene& scene, const Path& path, 
   if (!algorithmEntry(scene.algorithm).traits.renews_planes) return {};
   const int n = scene.plane_renewal_ticks;
   const double error_m = planeAgeError(path, surface, n, scene.rate_hz);
-  const double error_N = scene.stiffness_N_per_m * error_m;
+  const double error_N = stiffnessOf(scene) * error_m;
   if (error_N < kFeltStep_N) return {};
   const int allowed = static_cast<int>(n * std::sqrt(kFeltStep_N / error_N));
   const std::string remedy = allowed >= 1 ? fmt::format("--n {} keeps it below {} N", allowed, shortNumber(kFeltStep_N))

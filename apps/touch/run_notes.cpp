@@ -61,7 +61,7 @@ std::optional<std::string> noteOnSilence(std::span<const TickRecord> records, do
 
 std::optional<std::string> noteOnEncoders(const Scene& scene, const DeviceLimits& device) {
   if (!algorithmEntry(scene.algorithm).traits.shows_surface) return {};
-  const double step_N = scene.stiffness_N_per_m * device.position_resolution_m;
+  const double step_N = stiffnessOf(scene) * device.position_resolution_m;
   if (step_N < kFeltStep_N) return {};
   return fmt::format(
       "each step of the encoders, {} mm, changes the force by {} N, which is felt as roughness; lower --stiffness",
@@ -70,7 +70,7 @@ std::optional<std::string> noteOnEncoders(const Scene& scene, const DeviceLimits
 
 std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures& figures) {
   const double depth_m = figures.depth_m.max;
-  const double spring_N = scene.stiffness_N_per_m * depth_m;
+  const double spring_N = stiffnessOf(scene) * depth_m;
   if (figures.contact_ticks == 0 || figures.force_N.max >= kFaintForce_N) return {};
   if (!(depth_m > 0) || spring_N >= kFaintForce_N) return {};  // else something other than the depth limits the force
   const char* why = scene.press_depth_m || !scene.path_file.empty() ? "" : ", as fits so small or thin an object";
@@ -78,7 +78,7 @@ std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures
       "no force above {} N was reached, which is too little to feel: "
       "the tool pressed at most {} mm deep{}, and --stiffness {} makes {} N of that; {}",
       shortNumber(kFaintForce_N), shortNumber(depth_m * kMillimetresPerMetre), why,
-      shortNumber(scene.stiffness_N_per_m), shortNumber(spring_N), moreForceWords(scene, depth_m));
+      shortNumber(stiffnessOf(scene)), shortNumber(spring_N), moreForceWords(scene, depth_m));
 }
 
 std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early) {

@@ -75,7 +75,7 @@ EffectParameters effectParameters(const Scene& scene) {
 RigSettings rigSettings(const Scene& scene, double isovalue) {
   RigSettings settings{.algorithm = scene.algorithm,
                        .parameters = {.isovalue = isovalue,
-                                      .stiffness_N_per_m = scene.stiffness_N_per_m,
+                                      .stiffness_N_per_m = stiffnessOf(scene),
                                       .damping_Ns_per_m = scene.damping_Ns_per_m,
                                       .plane_renewal_ticks = scene.plane_renewal_ticks,
                                       .rate_hz = scene.rate_hz},
@@ -94,7 +94,7 @@ double lackingDamping(const Scene& scene, const DeviceLimits& device) {
   if (!algorithmEntry(scene.algorithm).traits.shows_surface) return 0;
   double factor = scene.stiffness_density.empty() ? 1 : 0;
   for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
-  const double needed_Ns_per_m = scene.stiffness_N_per_m * factor * (0.5 + device.force_delay_ticks) / scene.rate_hz;
+  const double needed_Ns_per_m = stiffnessOf(scene) * factor * (0.5 + device.force_delay_ticks) / scene.rate_hz;
   return std::max(0.0, needed_Ns_per_m - scene.damping_Ns_per_m);
 }
 

@@ -11,15 +11,17 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/held/held_device.hpp"
+#include "apps/held/held_words.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
 #include "apps/report/words.hpp"
+#include "apps/rig/contact_bounds.hpp"
 #include "apps/touch/device_ahead.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/force_error.hpp"
-#include "apps/touch/held_device.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/object_volume.hpp"
 #include "apps/touch/output_folder.hpp"
@@ -331,6 +333,7 @@ void TouchJob::load() {
   isovalue_ = static_cast<float>(scene_.isovalue ? *scene_.isovalue : defaultIsovalue(*volume_));
   checkIsovalue(*volume_, isovalue_);
   run_.scene.isovalue = isovalue_;
+  run_.scene.stiffness_N_per_m = stiffnessOf(scene_);
   run_.volume = volumeOf(*volume_, isovalue_);
   box_ = boxOf(volume_->lattice(), volume_->size());
 }
@@ -401,8 +404,10 @@ void TouchJob::readyDevice() {
     device_ = std::move(recorder);
   }
   if (!made.placement) return;
-  settleStiffness(run_.scene, *device_);
-  for (const std::string& warning : heldDeviceWords(run_.scene, *device_, *made.placement)) warn(warning);
+  if (!scene_.stiffness_N_per_m)
+    run_.scene.stiffness_N_per_m = usualStiffness(rigSettings(scene_, isovalue_), loopParameters(scene_), *device_);
+  for (const std::string& warning : heldDeviceWords(scene_.device, *device_, *made.placement, stiffnessOf(run_.scene)))
+    warn(warning);
 }
 
 void TouchJob::readyEdits() {
@@ -437,7 +442,7 @@ void TouchJob::feel() {
   run_.grid_points = result.ticks_run + result.ticks_skipped;
   run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
-  if (isHeld(scene_)) run_.device = heldDevice(scene_.device, *device_);
+  if (isHeld(scene_)) run_.device = deviceOfRun(scene_.device, *device_);
   if (recorder_ != nullptr) recording_ = recorder_->recording();
   device_.reset();  // its threads end; it was told to exert no force
   endEarly(run_);

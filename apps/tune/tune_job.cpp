@@ -289,8 +289,8 @@ class TuneJob {
     const double least_N = best.error_N * kErrorMargin, share = request_.goal.bound / least_N;
     if (!(share < 1)) return "runs that repeat what the trials found";
     std::string words = fmt::format("an error of {} N", shortNumber(least_N));
-    if (share * request_.scene.stiffness_N_per_m >= kLeastUsefulStiffness_N_per_m)
-      words += fmt::format(", or a stiffness of at most {} N/m", shortNumber(share * request_.scene.stiffness_N_per_m));
+    if (share * stiffnessOf(request_.scene) >= kLeastUsefulStiffness_N_per_m)
+      words += fmt::format(", or a stiffness of at most {} N/m", shortNumber(share * stiffnessOf(request_.scene)));
     const bool noisy = bench_->whyNotExact().empty() && parsePhantomSpec(request_.scene.volume).noise > 0;
     return words + (noisy ? ", or a volume with less noise" : ", or smaller voxels");
   }

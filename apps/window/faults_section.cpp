@@ -11,7 +11,8 @@ namespace palpate {
 
 void showFaultsSection(WindowModel& model) {
   if (!section("Why is there no force?", false)) return;
-  const ForceWords words = forceWords(model.tick, model.state.running, model.session.settings().parameters.isovalue);
+  const ForceWords words = forceWords(model.tick, model.state.running, model.session.settings().parameters.isovalue,
+                                      model.session.deviceIsHeld());
   ImGui::TextWrapped("now: %s", words.state.c_str());
   for (const std::string& reason : words.reasons) ImGui::TextWrapped("- %s", reason.c_str());
   if (words.reasons.empty()) mutedText("nothing takes the force away");

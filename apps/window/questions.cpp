@@ -133,7 +133,6 @@ std::unique_ptr<OpenVolume> openVolume(GuiHost& host, SculptRequest request, con
   opened->session = load(host, request);
   if (!opened->session) return nullptr;
   if (left && opened->session->journalHolds()) dropLeftSession(*left);  // its edits are in the new journal
-  opened->session->start();
   return opened;
 }
 

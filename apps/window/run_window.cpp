@@ -36,6 +36,7 @@ std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const 
 std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRequest& request,
                                        const std::filesystem::path& journals, SculptSettings& settings,
                                        std::string& remark) {
+  open.session->start();
   SculptWindow window(host, *open.session, settings);
   if (!remark.empty()) window.say(std::exchange(remark, {}));
   std::unique_ptr<OpenVolume> next;

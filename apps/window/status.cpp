@@ -9,7 +9,8 @@
 namespace palpate {
 
 void showStatus(WindowModel& model) {
-  const ForceWords words = forceWords(model.tick, model.state.running, model.session.settings().parameters.isovalue);
+  const ForceWords words = forceWords(model.tick, model.state.running, model.session.settings().parameters.isovalue,
+                                      model.session.deviceIsHeld());
   ImGui::TextUnformatted(words.state.c_str());
   ImGui::SameLine(ImGui::GetFontSize() * 12);
   std::string reasons;

@@ -185,7 +185,7 @@ std::vector<StageTime> Commands::marks() const {
 void Commands::submit() {
   guarded(*state_->gpu, state_->name, [&] {
     state_->buffer.end();
-    const std::uint64_t value = ++state_->gpu->submitted;
+    const std::uint64_t value = state_->gpu->submitted + 1;
     const vk::TimelineSemaphoreSubmitInfo timeline{.signalSemaphoreValueCount = 1, .pSignalSemaphoreValues = &value};
     const vk::SubmitInfo submit{.pNext = &timeline,
                                 .commandBufferCount = 1,
@@ -193,7 +193,7 @@ void Commands::submit() {
                                 .signalSemaphoreCount = 1,
                                 .pSignalSemaphores = &*state_->gpu->timeline};
     state_->gpu->submit(submit);
-    state_->ticket = value;
+    state_->gpu->submitted = state_->ticket = value;  // what was refused will never be done, and nobody waits for it
   });
 }
 

@@ -8,6 +8,7 @@
 namespace palpate {
 
 [[nodiscard]] DeviceEntry simulatedEntry();
+[[nodiscard]] DeviceEntry mouseEntry();  // in simulated_entry.cpp
 [[nodiscard]] DeviceEntry recordedEntry();
 [[nodiscard]] DeviceEntry polhemEntry();
 [[nodiscard]] DeviceEntry spaceMouseEntry();

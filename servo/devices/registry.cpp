@@ -15,7 +15,7 @@ namespace palpate {
 namespace {
 
 std::span<const DeviceEntry> entries() noexcept {
-  static const std::array kEntries = {simulatedEntry(), recordedEntry(), polhemEntry(), spaceMouseEntry()};
+  static const std::array kEntries = {simulatedEntry(), mouseEntry(), recordedEntry(), polhemEntry(), spaceMouseEntry()};
   return kEntries;
 }
 

@@ -46,6 +46,7 @@ struct DeviceEntry {
   std::string_view name;
   std::string_view description;  // one line
   bool needs_path = false;       // DeviceSetup::path must be given
+  bool needs_pointer = false;    // the path is where a window's pointer leads
   bool needs_port = false;       // DeviceSetup::open must be given; the device has a frame of its own, D
   std::span<const DeviceParameter> (*parameters)() = nullptr;
   std::unique_ptr<Device> (*make)(const DeviceSetup& setup) = nullptr;

@@ -49,4 +49,13 @@ DeviceEntry simulatedEntry() {
           .make = makeSimulated};
 }
 
+// The same, where the path is not known before: what pulls the hand is the mouse.
+DeviceEntry mouseEntry() {
+  DeviceEntry entry = simulatedEntry();
+  entry.name = "mouse";
+  entry.description = "the pointer of a window moves the simulated device ('palpate sculpt', which begins with it)";
+  entry.needs_pointer = true;
+  return entry;
+}
+
 }  // namespace palpate

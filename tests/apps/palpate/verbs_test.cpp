@@ -161,7 +161,7 @@ TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
 TEST_F(Verbs, HelpOfTouchShowsUnitsAndDefaults) {
   for (const char* verb : {"touch", "plan"}) {
     const std::string help = run({verb, "--help"}).out;
-    EXPECT_THAT(help, HasSubstr("stiffness of the contact, K [N/m] (a number from 0 to 100000; default 500;"));
+    EXPECT_THAT(help, HasSubstr("damping of the contact along the normal, B [N s/m] (a number from 0 to 1000; default 0.5;"));
     for (const SceneOption& option : sceneOptions()) {
       const auto at = help.find(std::string("\n  ") + option.flag + " ");
       ASSERT_NE(at, std::string::npos) << option.flag;

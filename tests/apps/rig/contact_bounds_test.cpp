@@ -153,6 +153,47 @@ class AnyHand final : public Device {
   [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
 };
 
+// A device in an ordinary hand, with what its maker states and what it is made of.
+class Made final : public Device {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "made"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return of; }
+  [[nodiscard]] std::vector<HandParameters> hands() const override {
+    return {{.device_friction_N = friction_N}, {.device_friction_N = 10 * friction_N}};
+  }
+  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
+  DeviceLimits of;
+  double friction_N = 0;
+};
+
+TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {
+  RigSettings settings;
+  settings.parameters.stiffness_N_per_m = 500;
+  settings.parameters.damping_Ns_per_m = 0.5;
+  LoopParameters loop;
+  Made made;
+  const double most = renderableStiffness(settings, loop, made);
+  ASSERT_GT(most, 1000);
+  EXPECT_EQ(usualStiffness(settings, loop, made), 500);  // the maker states nothing
+  made.of.stiffness_limit_N_per_m = 900;
+  EXPECT_EQ(usualStiffness(settings, loop, made), 900);
+  made.of.stiffness_limit_N_per_m = 300;
+  EXPECT_EQ(usualStiffness(settings, loop, made), 300);
+  made.of.stiffness_limit_N_per_m = 1e6;
+  const double rendered = usualStiffness(settings, loop, made);
+  EXPECT_LE(rendered, most);
+  EXPECT_GT(rendered, 0.9 * most);  // two digits
+  // 2 f / D of the hand in which it is least: 2 * 0.02 / 50e-6.
+  made.friction_N = 0.02;
+  made.of.position_resolution_m = 50e-6;
+  EXPECT_EQ(usualStiffness(settings, loop, made), 800);
+  made.of.position_resolution_m = 0;  // nothing is rounded
+  EXPECT_EQ(usualStiffness(settings, loop, made), rendered);
+  made.of.follows_force = false;  // nothing can shake
+  EXPECT_EQ(usualStiffness(settings, loop, made), 500);
+}
+
 TEST(ContactBounds, TheWorstHandCounts) {
   double worst = 1e9, best = 0;
   for (const TypicalHand& hand : kTypicalHands) {

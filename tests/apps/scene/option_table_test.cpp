@@ -184,7 +184,9 @@ TEST(OptionTable, KeysAreFound) {
 
 TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
   EXPECT_EQ(optionHelp(*optionOfKey("servo.stiffness_N_per_m")),
-            "stiffness of the contact, K [N/m] (a number from 0 to 100000; default 500; key servo.stiffness_N_per_m)");
+            "stiffness of the contact, K; if not given 500, or what a device that is held bears [N/m] (a number from 0 "
+            "to 100000; "
+            "key servo.stiffness_N_per_m)");
   EXPECT_EQ(optionHelp(*optionOfKey("hand.kind")),
             "rigid: the device is exactly on the path; "
             "spring: a hand pulls it and feels the force (rigid or spring; default rigid; key hand.kind)");

@@ -38,6 +38,8 @@ TEST(ForceWords, TellWhyThereIsNone) {
   EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("take it out once")));
   record.density = 300;
   EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the object")));
+  EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("press the left button")));
+  EXPECT_THAT(forceWords(record, true, 300, true).reasons, ElementsAre(HasSubstr("move the device to it")));
   for (const float unknown : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
     record.density = unknown;  // beyond the window, or beyond the volume
     EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the volume")));

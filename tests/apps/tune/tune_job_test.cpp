@@ -64,7 +64,7 @@ TEST_F(TuneJobTest, SaysByHowMuchAnErrorIsMissed) {
             2)
       << result.needed;
   EXPECT_NEAR(error_N, result.chosen.error_N * kErrorMargin, 0.01 * error_N);  // told in three digits
-  EXPECT_NEAR(stiffness_N_per_m, noisy.scene.stiffness_N_per_m * 0.02 / error_N, 0.01 * stiffness_N_per_m);
+  EXPECT_NEAR(stiffness_N_per_m, stiffnessOf(noisy.scene) * 0.02 / error_N, 0.01 * stiffness_N_per_m);
   EXPECT_THAT(result.needed, HasSubstr("a volume with less noise"));
 }
 

@@ -152,9 +152,10 @@ void Desktop::drags(int from_x, int from_y, int to_x, int to_y, int button, int 
 }
 
 Started::Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words,
-                 const Environment& more)
-    : log_(home / "log") {
-  words.insert(words.begin(), PALPATE_PROGRAM);
+                 const Environment& more, std::vector<std::string> runner)
+    : log_(home / "log"), has_runner_(!runner.empty()) {
+  runner.emplace_back(PALPATE_PROGRAM);
+  words.insert(words.begin(), runner.begin(), runner.end());
   std::filesystem::create_directories(home);
   process_ = start(words, [&] {
     display.empty() ? unsetenv("DISPLAY") : setenv("DISPLAY", display.c_str(), 1);
@@ -189,13 +190,20 @@ bool Started::computes() const {
   for (const auto& thread : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process_), gone)) {
     const std::string line = textOf(thread.path() / "stat");  // 12 (engine) S ...
     const std::size_t end = line.rfind(") ");
-    if (end != std::string::npos && line.find("(servo)") == std::string::npos && line.compare(end, 3, ") R") == 0) return true;
+    if (end != std::string::npos && line.find("(servo)") == std::string::npos && line.compare(end, 3, ") R") == 0)
+      return true;
   }
   return false;
 }
 
 void Started::signals(int number) const {
-  kill(process_, number);
+  pid_t last = process_;
+  const auto childOf = [](pid_t process) {
+    const std::string children = textOf(fmt::format("/proc/{0}/task/{0}/children", process));
+    return children.empty() ? -1 : std::stoi(children);
+  };
+  for (pid_t child = has_runner_ ? childOf(last) : -1; child != -1; child = childOf(child)) last = child;
+  kill(last, number);
 }
 
 int Started::ends() {

@@ -72,11 +72,12 @@ class Desktop {
 
 using Environment = std::map<std::string, std::string>;
 
-// `palpate` with these words on a display (empty: none), with a home of its own, in which it begins.
+// `palpate` with these words on a display (empty: none), with a home of its own, in which it begins; started by
+// `runner`, if that is not empty: a program and its words.
 class Started {
  public:
   Started(const std::string& display, const std::filesystem::path& home, std::vector<std::string> words,
-          const Environment& more = {});
+          const Environment& more = {}, std::vector<std::string> runner = {});
   ~Started();  // kills it
   Started(const Started&) = delete;
   Started& operator=(const Started&) = delete;
@@ -84,13 +85,14 @@ class Started {
   [[nodiscard]] bool runs();
   // Whether a thread other than the servo's has, or waits for, a processor now.
   [[nodiscard]] bool computes() const;
-  void signals(int number) const;
+  void signals(int number) const;  // to the program, also if a runner started it
   // Its exit status, or 256 and the signal; -1 if it does not end within a minute.
   [[nodiscard]] int ends();
   [[nodiscard]] std::string said() const;  // on both streams
 
  private:
   std::filesystem::path log_;
+  bool has_runner_;
   pid_t process_ = -1;
   int status_ = -1;
 };

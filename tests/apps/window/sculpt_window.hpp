@@ -54,7 +54,9 @@ class OnADesktop : public testing::Test {
   [[nodiscard]] std::filesystem::path home() const { return folder.path() / "home"; }
   [[nodiscard]] std::filesystem::path journals() const { return home() / ".local/state/palpate/journals"; }
   void start() {
-    program = std::make_unique<Started>(desktop->display(), home(), std::vector<std::string>{"sculpt", kBall}, more);
+    std::vector<std::string> words = {"sculpt", kBall};
+    words.insert(words.end(), options.begin(), options.end());
+    program = std::make_unique<Started>(desktop->display(), home(), words, more, runner);
   }
   // The file of settings.
   [[nodiscard]] std::string settings() const {
@@ -141,7 +143,9 @@ class OnADesktop : public testing::Test {
   TemporaryFolder folder;
   std::unique_ptr<Desktop> desktop;
   std::unique_ptr<Started> program;
-  Environment more = {};  // of the program
+  Environment more = {};                  // of the program
+  std::vector<std::string> options = {};  // of `palpate sculpt`
+  std::vector<std::string> runner = {};   // that starts it
 };
 
 }  // namespace palpate

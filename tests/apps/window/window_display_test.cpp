@@ -24,7 +24,7 @@ class OnABadDesktop : public OnADesktop {
         << R"("library_path": ")" << PALPATE_FAULTS_LAYER << R"("}})";
     more = {{"VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation:VK_LAYER_palpate_faults"},
             {"VK_LAYER_PATH", "/usr/share/vulkan/explicit_layer.d:" + folder.path().string()},
-            {"PALPATE_DISPLAY_FAULT", fault().string()}};
+            {"PALPATE_VULKAN_FAULT", fault().string()}};
   }
   [[nodiscard]] std::filesystem::path fault() const { return folder.path() / "fault"; }
   // The next such call fails.

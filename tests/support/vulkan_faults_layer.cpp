@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan layer that loses what a window shows in. Whenever the file that PALPATE_DISPLAY_FAULT names is there, the
-// next call that it names fails as it says, and the file is removed: "acquire -1000000000" (VK_ERROR_SURFACE_LOST_KHR).
-// A surface that is lost stays so until it is destroyed.
+// A Vulkan layer that loses surfaces and devices. Whenever the file that PALPATE_VULKAN_FAULT names is there, the next
+// call that it names fails as it says, and the file is removed: "acquire -1000000000" (VK_ERROR_SURFACE_LOST_KHR). A
+// third word, a number, lets so many of these calls pass before: "submit -4 50" (VK_ERROR_DEVICE_LOST).
+// A surface that is lost stays so until it is destroyed, and a device whose submission fails stays lost until the
+// process ends.
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -23,7 +25,8 @@ struct Next {
   PFN_vkGetDeviceProcAddr of_device = nullptr;
 };
 
-std::atomic<bool> surface_is_lost = false;
+std::atomic<bool> surface_is_lost = false, device_is_lost = false;
+std::atomic<int> passed = 0;  // calls of the kind that the file names
 std::mutex next_mutex;
 // Of each instance, looked up while it is made: later the loader gives the chain's first function, not the next one.
 std::map<VkInstance, PFN_vkDestroySurfaceKHR> next_destroy_surface;
@@ -44,13 +47,16 @@ Function functionOf(Handle handle, const char* name) {
 
 // What is to become of this call.
 VkResult faultOf(const std::string& call) {
-  const char* name = std::getenv("PALPATE_DISPLAY_FAULT");
+  const char* name = std::getenv("PALPATE_VULKAN_FAULT");
   if (name == nullptr) return VK_SUCCESS;
   std::ifstream file(name);
   std::string which;
   int result = VK_SUCCESS;
   if (!(file >> which >> result) || which != call) return VK_SUCCESS;
+  int may_pass = 0;
+  if (file >> may_pass && passed++ < may_pass) return VK_SUCCESS;
   unlink(name);
+  if (call == "submit") device_is_lost = true;
   if (result == VK_ERROR_SURFACE_LOST_KHR) surface_is_lost = true;
   return static_cast<VkResult>(result);
 }
@@ -106,6 +112,12 @@ VkResult present(VkQueue queue, const VkPresentInfoKHR* info) {
   return fault == VK_SUCCESS ? result : fault;
 }
 
+VkResult submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos, VkFence fence) {
+  if (const VkResult fault = faultOf("submit"); fault != VK_SUCCESS) return fault;
+  if (device_is_lost) return VK_ERROR_DEVICE_LOST;
+  return functionOf<PFN_vkQueueSubmit>(queue, "vkQueueSubmit")(queue, count, infos, fence);
+}
+
 VkResult createSwapchain(VkDevice device, const VkSwapchainCreateInfoKHR* info, const VkAllocationCallbacks* allocator,
                          VkSwapchainKHR* made) {
   if (surface_is_lost) return VK_ERROR_SURFACE_LOST_KHR;
@@ -125,6 +137,7 @@ PFN_vkVoidFunction ours(const char* name) {
   if (is("vkAcquireNextImageKHR")) return reinterpret_cast<PFN_vkVoidFunction>(acquire);
   if (is("vkCreateSwapchainKHR")) return reinterpret_cast<PFN_vkVoidFunction>(createSwapchain);
   if (is("vkDestroySurfaceKHR")) return reinterpret_cast<PFN_vkVoidFunction>(destroySurface);
+  if (is("vkQueueSubmit")) return reinterpret_cast<PFN_vkVoidFunction>(submit);
   if (is("vkQueuePresentKHR")) return reinterpret_cast<PFN_vkVoidFunction>(present);
   return nullptr;
 }

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/held/held_words.hpp"
+
+#include <fmt/format.h>
+
+#include "servo/devices/force_off.hpp"
+
+namespace palpate {
+
+std::vector<std::string> heldDeviceWords(const std::string& name, const Device& device, const Placement& placement,
+                                         double stiffness_N_per_m) {
+  std::vector<std::string> words;
+  words.push_back(
+      fmt::format("{}: 1 mm of the device moves the tool by {:.4g} mm, 1 N of the scene is {:.4g} N; a wall of {:.4g} "
+                  "N/m is one of {:.4g} N/m at its handle",
+                  name, placement.scale, placement.force_scale, stiffness_N_per_m,
+                  stiffness_N_per_m * placement.scale * placement.force_scale));
+  if (const ForceOff why = device.forceOff(); why != ForceOff::kNone) {
+    const ForceOffWords off = wordsOf(why);
+    words.push_back(fmt::format("forces are off because {}; {}", off.reason, off.remedy));
+  }
+  const double most = device.limits().stiffness_limit_N_per_m;
+  if (most > 0 && stiffness_N_per_m > most) {
+    words.push_back(
+        fmt::format("a stiffness of {:.4g} N/m is more than the device's maker states: give at most {:.4g} N/m",
+                    stiffness_N_per_m, most));
+  }
+  return words;
+}
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/held/held_words.hpp: what a user of a real device must know when the servo begins. Set-up code; any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "servo/devices/device.hpp"
+#include "servo/devices/placed_device.hpp"
+
+namespace palpate {
+
+// How the device of this name lies in the scene, why it exerts no force, if it does not, and what its maker advises
+// against.
+[[nodiscard]] std::vector<std::string> heldDeviceWords(const std::string& name, const Device& device,
+                                                       const Placement& placement, double stiffness_N_per_m);
+
+}  // namespace palpate

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate sculpt` with a device in a hand: an emulated Polhem at its own pace, through hidapi.
+#include <fmt/format.h>
+
+#include "apps/sculpt/session_folders.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/journal/journal_reader.hpp"
+#include "sculpt_window.hpp"
+
+namespace palpate {
+namespace window_device_test {
+
+class WithAnArm : public OnADesktop {
+ protected:
+  void SetUp() override {
+    OnADesktop::SetUp();
+    if (IsSkipped()) return;
+    // A hand that goes 2 mm below the ball's surface and out again, every four seconds.
+    const Volume ball = loadVolume(kBall);
+    const double isovalue = defaultIsovalue(ball);
+    double surface_y = -20e-3;
+    while (ball.density(Vec3(0, surface_y, 0)).value_or(-1e30) < isovalue) surface_y += 1e-5;
+    inside_W = Vec3(0, surface_y + kDeep_m, 0);
+    const std::string way = (folder.path() / "way.csv").string();
+    std::ofstream csv(way);
+    csv << "time_s,x_m,y_m,z_m\n";
+    for (int t_s = 0; t_s < 600; t_s += 2)
+      csv << fmt::format("{},0,{},0\n", t_s, t_s % 4 == 0 ? surface_y - 5e-3 : inside_W.y());
+    csv.close();
+    runner = {PALPATE_EMULATE_HID, "--paced", "--path", way, "--at", "0,0,0", "--"};
+    more = {{"XDG_RUNTIME_DIR", folder.path().string()}};
+    options = {"--device",        "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1", "--calibrated",
+               "--current-limit", "3",         "--edge",     "0"};
+  }
+  // The tool is always on its way, so that nothing is ever still.
+  bool showsBallBesideTheTool() {
+    return waitUntil([&] {
+             if (!program->runs()) return true;
+             const auto pixel = desktop->look().at(kMiddleX - 120, kMiddleY - 120);
+             return pixel[0] > 90 && pixel[0] > pixel[2] + 10;
+           }) &&
+           program->runs();
+  }
+  static constexpr double kDeep_m = 2e-3;
+  Vec3 inside_W = Vec3::Zero();
+};
+
+// The mouse's pointer stays at the picture's edge: the tool is where the arm is, and the keyboard holds the brush.
+TEST_F(WithAnArm, DrillsWhereTheArmIs) {
+  start();
+  ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
+  desktop->moves(kPicture.x + 20, 20);
+  desktop->does({"mousedown", "1"});
+  const auto edits = [&] { return readJournal(journal()).records.size(); };
+  EXPECT_TRUE(waitUntil([&] { return edits() >= 20; })) << program->said();
+  desktop->does({"mouseup", "1"});
+  const std::filesystem::path kept = journal();
+  endsWell();
+  // Each where the arm was: on its way, and no further than it goes; the hand's spring gives way by less than its
+  // depth.
+  double deepest_y = -1;
+  for (const std::vector<EditCommand>& edit : lastingEdits(readJournal(kept))) {
+    for (const EditCommand& command : edit) {
+      EXPECT_LT(std::hypot(command.to_W.x(), command.to_W.z()), 5e-4);
+      EXPECT_LT(command.to_W.y(), inside_W.y() + 1e-4);
+      deepest_y = std::max(deepest_y, command.to_W.y());
+    }
+  }
+  EXPECT_GT(deepest_y, inside_W.y() - kDeep_m);
+}
+
+// Another volume takes the arm over from the first, which has let it go by then.
+TEST_F(WithAnArm, GoesOnWithAnotherVolume) {
+  start();
+  ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
+  const std::filesystem::path first = journal();
+  enters(kFileX, kOpenY, "phantom:sphere?size=48&seed=2");
+  EXPECT_TRUE(waitUntil([&] { return !journal().empty() && journal() != first; })) << program->said();
+  desktop->moves(kPicture.x + 20, 20);
+  desktop->does({"mousedown", "1"});
+  EXPECT_TRUE(waitUntil([&] { return !readJournal(journal()).records.empty(); })) << program->said();
+  desktop->does({"mouseup", "1"});
+  endsWell();
+}
+
+// Without an arm: the words that say what is missing, before any window.
+TEST_F(OnADesktop, SaysThatNoDeviceIsThere) {
+  options = {"--device", "spacemouse"};
+  start();
+  EXPECT_EQ(program->ends(), 3) << program->said();
+  EXPECT_THAT(program->said(), testing::HasSubstr("spacemouse"));
+}
+
+TEST_F(OnADesktop, PlaysNoRecording) {
+  options = {"--device", "recorded"};
+  start();
+  EXPECT_EQ(program->ends(), 2);
+  EXPECT_THAT(program->said(), testing::HasSubstr("--device recorded: a window plays no recording back"));
+}
+
+}  // namespace window_device_test
+}  // namespace palpate
