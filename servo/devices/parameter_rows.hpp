@@ -45,20 +45,34 @@ Parameters given(std::span<const ParameterRow<Parameters>> rows, const DeviceSet
   return parameters;
 }
 
-// A row for a member that is a number, or a flag.
-template <class Parameters, auto kMember>
-constexpr ParameterRow<Parameters> memberRow(std::string_view key, std::string_view unit, double lowest, double highest,
-                                             std::string_view help) {
+// A row for a number, or a flag, in the place that Place::of() finds in the parameters.
+template <class Parameters, class Place>
+constexpr ParameterRow<Parameters> placeRow(std::string_view key, std::string_view unit, double lowest, double highest,
+                                            std::string_view help) {
   return {key,
           unit,
           lowest,
           highest,
           help,
-          [](const Parameters& p) { return static_cast<double>(p.*kMember); },
+          [](const Parameters& p) { return static_cast<double>(Place::of(p)); },
           [](Parameters& p, double v) {
-            using Value = std::remove_reference_t<decltype(p.*kMember)>;
-            p.*kMember = static_cast<Value>(v);
+            using Value = std::remove_reference_t<decltype(Place::of(p))>;
+            Place::of(p) = static_cast<Value>(v);
           }};
+}
+
+template <auto kMember>
+struct MemberPlace {
+  template <class Parameters>
+  static constexpr auto& of(Parameters& p) {
+    return p.*kMember;
+  }
+};
+
+template <class Parameters, auto kMember>
+constexpr ParameterRow<Parameters> memberRow(std::string_view key, std::string_view unit, double lowest, double highest,
+                                             std::string_view help) {
+  return placeRow<Parameters, MemberPlace<kMember>>(key, unit, lowest, highest, help);
 }
 
 }  // namespace palpate

@@ -9,42 +9,21 @@ namespace {
 using Arm = PolhemParameters;
 
 template <std::size_t kJoint, auto kMember>
-constexpr ParameterRow<Arm> joint(std::string_view key, std::string_view unit, double lowest, double highest,
-                                  std::string_view help) {
-  return {key,
-          unit,
-          lowest,
-          highest,
-          help,
-          [](const Arm& p) { return static_cast<double>(p.joints[kJoint].*kMember); },
-          [](Arm& p, double v) {
-            using Value = std::remove_reference_t<decltype(p.joints[kJoint].*kMember)>;
-            p.joints[kJoint].*kMember = static_cast<Value>(v);
-          }};
-}
-
+struct JointPlace {
+  static constexpr auto& of(auto& arm) { return arm.joints[kJoint].*kMember; }
+};
 template <std::size_t kJoint>
-constexpr ParameterRow<Arm> home(std::string_view key, std::string_view unit, double lowest, double highest,
-                                 std::string_view help) {
-  return {key,
-          unit,
-          lowest,
-          highest,
-          help,
-          [](const Arm& p) { return static_cast<double>(p.home_counts[kJoint]); },
-          [](Arm& p, double v) { p.home_counts[kJoint] = static_cast<int>(v); }};
-}
-
+struct HomePlace {
+  static constexpr auto& of(auto& arm) { return arm.home_counts[kJoint]; }
+};
 template <int kAxis>
-constexpr ParameterRow<Arm> origin(std::string_view key, std::string_view unit, double lowest, double highest,
-                                   std::string_view help) {
-  return {key,
-          unit,
-          lowest,
-          highest,
-          help,
-          [](const Arm& p) { return p.origin_m[kAxis]; },
-          [](Arm& p, double v) { p.origin_m[kAxis] = v; }};
+struct OriginPlace {
+  static constexpr auto& of(auto& arm) { return arm.origin_m[kAxis]; }
+};
+template <class Place>
+constexpr ParameterRow<Arm> row(std::string_view key, std::string_view unit, double lowest, double highest,
+                                std::string_view help) {
+  return placeRow<Arm, Place>(key, unit, lowest, highest, help);
 }
 
 // clang-format off
@@ -57,30 +36,30 @@ constexpr ParameterRow<Arm> kPolhemRows[] = {
     memberRow<Arm, &Arm::workspace_radius_m>("workspace_radius_m", "m", 1e-3, 10, "radius of its workspace"),
     memberRow<Arm, &Arm::mass_kg>("mass_kg", "kg", 1e-4, 100, "mass at the handle"),
     memberRow<Arm, &Arm::damping_Ns_per_m>("damping_Ns_per_m", "N s/m", 0, 1e4, "viscous friction at the handle"),
-    joint<0, &ArmJoint::capstan_m>("capstan_a_m", "m", 1e-4, 1, "diameter of capstan a"),
-    joint<0, &ArmJoint::body_m>("body_a_m", "m", 1e-3, 1, "diameter of the sector that capstan a drives"),
-    joint<0, &ArmJoint::length_m>("length_a_m", "m", 1e-3, 10, "height of the axes of b and c over the foot"),
-    joint<0, &ArmJoint::torque_Nm_per_A>("torque_a_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor a"),
-    joint<0, &ArmJoint::counts_per_turn>("counts_a", "counts", 1, 1e6, "counts of encoder a for a turn of its motor"),
-    joint<0, &ArmJoint::aligned>("aligned_a", "", 0, 1, "1: motor a points along its body's axis; 0: against it"),
-    home<0>("home_a", "counts", -32767, 32767, "what encoder a counts in the home position"),
-    origin<0>("origin_x_m", "m", -10, 10, "middle of the workspace from the foot, to the user"),
-    joint<1, &ArmJoint::capstan_m>("capstan_b_m", "m", 1e-4, 1, "diameter of capstan b"),
-    joint<1, &ArmJoint::body_m>("body_b_m", "m", 1e-3, 1, "diameter of the sector that capstan b drives"),
-    joint<1, &ArmJoint::length_m>("length_b_m", "m", 1e-3, 10, "length of link b"),
-    joint<1, &ArmJoint::torque_Nm_per_A>("torque_b_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor b"),
-    joint<1, &ArmJoint::counts_per_turn>("counts_b", "counts", 1, 1e6, "counts of encoder b for a turn of its motor"),
-    joint<1, &ArmJoint::aligned>("aligned_b", "", 0, 1, "1: motor b points along its body's axis; 0: against it"),
-    home<1>("home_b", "counts", -32767, 32767, "what encoder b counts in the home position"),
-    origin<1>("origin_y_m", "m", -10, 10, "middle of the workspace from the foot, to the right"),
-    joint<2, &ArmJoint::capstan_m>("capstan_c_m", "m", 1e-4, 1, "diameter of capstan c"),
-    joint<2, &ArmJoint::body_m>("body_c_m", "m", 1e-3, 1, "diameter of the sector that capstan c drives"),
-    joint<2, &ArmJoint::length_m>("length_c_m", "m", 1e-3, 10, "length of link c"),
-    joint<2, &ArmJoint::torque_Nm_per_A>("torque_c_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor c"),
-    joint<2, &ArmJoint::counts_per_turn>("counts_c", "counts", 1, 1e6, "counts of encoder c for a turn of its motor"),
-    joint<2, &ArmJoint::aligned>("aligned_c", "", 0, 1, "1: motor c points along its body's axis; 0: against it"),
-    home<2>("home_c", "counts", -32767, 32767, "what encoder c counts in the home position"),
-    origin<2>("origin_z_m", "m", -10, 10, "middle of the workspace from the foot, up"),
+    row<JointPlace<0, &ArmJoint::capstan_m>>("capstan_a_m", "m", 1e-4, 1, "diameter of capstan a"),
+    row<JointPlace<0, &ArmJoint::body_m>>("body_a_m", "m", 1e-3, 1, "diameter of the sector that capstan a drives"),
+    row<JointPlace<0, &ArmJoint::length_m>>("length_a_m", "m", 1e-3, 10, "height of the axes of b and c over the foot"),
+    row<JointPlace<0, &ArmJoint::torque_Nm_per_A>>("torque_a_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor a"),
+    row<JointPlace<0, &ArmJoint::counts_per_turn>>("counts_a", "counts", 1, 1e6, "counts of encoder a for a turn of its motor"),
+    row<JointPlace<0, &ArmJoint::aligned>>("aligned_a", "", 0, 1, "1: motor a points along its body's axis; 0: against it"),
+    row<HomePlace<0>>("home_a", "counts", -32767, 32767, "what encoder a counts in the home position"),
+    row<OriginPlace<0>>("origin_x_m", "m", -10, 10, "middle of the workspace from the foot, to the user"),
+    row<JointPlace<1, &ArmJoint::capstan_m>>("capstan_b_m", "m", 1e-4, 1, "diameter of capstan b"),
+    row<JointPlace<1, &ArmJoint::body_m>>("body_b_m", "m", 1e-3, 1, "diameter of the sector that capstan b drives"),
+    row<JointPlace<1, &ArmJoint::length_m>>("length_b_m", "m", 1e-3, 10, "length of link b"),
+    row<JointPlace<1, &ArmJoint::torque_Nm_per_A>>("torque_b_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor b"),
+    row<JointPlace<1, &ArmJoint::counts_per_turn>>("counts_b", "counts", 1, 1e6, "counts of encoder b for a turn of its motor"),
+    row<JointPlace<1, &ArmJoint::aligned>>("aligned_b", "", 0, 1, "1: motor b points along its body's axis; 0: against it"),
+    row<HomePlace<1>>("home_b", "counts", -32767, 32767, "what encoder b counts in the home position"),
+    row<OriginPlace<1>>("origin_y_m", "m", -10, 10, "middle of the workspace from the foot, to the right"),
+    row<JointPlace<2, &ArmJoint::capstan_m>>("capstan_c_m", "m", 1e-4, 1, "diameter of capstan c"),
+    row<JointPlace<2, &ArmJoint::body_m>>("body_c_m", "m", 1e-3, 1, "diameter of the sector that capstan c drives"),
+    row<JointPlace<2, &ArmJoint::length_m>>("length_c_m", "m", 1e-3, 10, "length of link c"),
+    row<JointPlace<2, &ArmJoint::torque_Nm_per_A>>("torque_c_Nm_per_A", "Nm/A", 1e-4, 100, "torque constant of motor c"),
+    row<JointPlace<2, &ArmJoint::counts_per_turn>>("counts_c", "counts", 1, 1e6, "counts of encoder c for a turn of its motor"),
+    row<JointPlace<2, &ArmJoint::aligned>>("aligned_c", "", 0, 1, "1: motor c points along its body's axis; 0: against it"),
+    row<HomePlace<2>>("home_c", "counts", -32767, 32767, "what encoder c counts in the home position"),
+    row<OriginPlace<2>>("origin_z_m", "m", -10, 10, "middle of the workspace from the foot, up"),
 };
 // clang-format on
 

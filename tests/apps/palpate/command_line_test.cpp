@@ -181,7 +181,7 @@ done
   EXPECT_EQ(std::system((zsh + "zsh -f script > offered 2>&1").c_str()), 0);
   const std::string offered = contentsOf(file("offered"));
   EXPECT_THAT(offered, HasSubstr("touch:palpate a volume along a path"));
-  EXPECT_THAT(offered, HasSubstr("\n--stiffness:stiffness of the contact, K [N/m]"));
+  EXPECT_THAT(offered, HasSubstr("\n--stiffness:stiffness of the contact, K; if not given 500"));
   EXPECT_THAT(offered, HasSubstr("<palpate touch --clock >\nreal\nsimulated\n<palpate bench >\nservo:"));
   EXPECT_THAT(offered, HasSubstr("<palpate help bench >\nservo:"));
   EXPECT_THAT(offered, HasSubstr("<palpate completion >\nbash:bash or zsh\nzsh:bash or zsh\n"));
