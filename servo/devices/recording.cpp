@@ -79,7 +79,8 @@ std::string headerBytes(const Recording& r) {
 }
 
 bool sameBits(const Vec3& a, const Vec3& b) {
-  return std::memcmp(a.data(), b.data(), sizeof(Vec3)) == 0;
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  return bits(a.x()) == bits(b.x()) && bits(a.y()) == bits(b.y()) && bits(a.z()) == bits(b.z());
 }
 
 void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W) {
