@@ -95,7 +95,7 @@ TEST_F(OnADesktop, AsksBeforeItLeavesUnsavedWork) {
   EXPECT_TRUE(waitUntil([&] { return leftSessions(journals()).size() == 1; }));
   EXPECT_EQ(leftSessions(journals()).at(0).folder, kept);
   EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), kUpper) > 1000; }));
-  ASSERT_TRUE(movesOff());
+  ASSERT_TRUE(showsBall()) << program->said();  // the box: until then it is loaded
   endsWell();
   EXPECT_EQ(journal(), kept);
   EXPECT_NE(contentHash(replayed(kept)), contentHash(loadVolume(kBall)));
