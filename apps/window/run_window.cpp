@@ -76,6 +76,9 @@ void runWindow(const SculptRequest& asked) {
   const KeptWork kept;  // a signal closes the window in good order
   std::unique_ptr<OpenVolume> open = openVolume(host, request, journals);
   request.isovalue.reset();  // of the first volume
+  // So are these: whether an arm that was unplugged meanwhile is still calibrated, nobody has said again.
+  request.device.device_calibrated = false;
+  request.device.place_at_W.reset();
   const auto keepSettings = [&] {
     if (!file.empty()) writeSettings(settings, file);
   };

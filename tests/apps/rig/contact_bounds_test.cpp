@@ -190,6 +190,12 @@ TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {
   EXPECT_EQ(usualStiffness(settings, loop, made), 800);
   made.of.position_resolution_m = 0;  // nothing is rounded
   EXPECT_EQ(usualStiffness(settings, loop, made), rendered);
+  // A damping with which nothing is stable: it is warned about, and the wall does not vanish.
+  settings.parameters.damping_Ns_per_m = 1000;
+  made.of.stiffness_limit_N_per_m = 900;
+  ASSERT_EQ(renderableStiffness(settings, loop, made), 0);
+  EXPECT_EQ(usualStiffness(settings, loop, made), 900);
+  EXPECT_EQ(boundWarnings(settings, loop, made).size(), 1U);
   made.of.follows_force = false;  // nothing can shake
   EXPECT_EQ(usualStiffness(settings, loop, made), 500);
 }

@@ -69,16 +69,19 @@ TEST_F(WithAnArm, DrillsWhereTheArmIs) {
   EXPECT_GT(deepest_y, inside_W.y() - kDeep_m);
 }
 
-// Another volume takes the arm over from the first, which has let it go by then.
-TEST_F(WithAnArm, GoesOnWithAnotherVolume) {
+// --calibrated was said of the arm as it was at the start. Whether it still is when another volume is opened, nobody
+// has said: so it begins without force, and nothing is drilled, on the same way on which the first volume was.
+TEST_F(WithAnArm, IsNotTakenForCalibratedWithAnotherVolume) {
   start();
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   const std::filesystem::path first = journal();
   enters(kFileX, kOpenY, "phantom:sphere?size=48&seed=2");
-  EXPECT_TRUE(waitUntil([&] { return !journal().empty() && journal() != first; })) << program->said();
+  ASSERT_TRUE(waitUntil([&] { return !journal().empty() && journal() != first; })) << program->said();
+  ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   desktop->moves(kPicture.x + 20, 20);
   desktop->does({"mousedown", "1"});
-  EXPECT_TRUE(waitUntil([&] { return !readJournal(journal()).records.empty(); })) << program->said();
+  std::this_thread::sleep_for(std::chrono::seconds(9));  // two of the hand's ways in and out, and more
+  EXPECT_TRUE(readJournal(journal()).records.empty());
   desktop->does({"mouseup", "1"});
   endsWell();
 }
