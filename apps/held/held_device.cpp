@@ -3,6 +3,7 @@
 
 #include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/choose_hid.hpp"
+#include "base/error.hpp"
 #include "servo/loop/real_time.hpp"
 
 namespace palpate {
@@ -10,8 +11,13 @@ namespace {
 
 constexpr int kLinkPriority = 79;  // just below the servo's, which waits for nobody
 
+const DeviceKind& kindOf(const Scene& scene) {
+  if (const DeviceKind* kind = deviceKindNamed(scene.device)) return *kind;
+  refuse("--device " + scene.device, "nobody holds it", "choose a real one; 'palpate devices' lists them");
+}
+
 HidChoice chosen(const Scene& scene) {
-  return chooseHid(*deviceKindNamed(scene.device), scene.device_path,
+  return chooseHid(kindOf(scene), scene.device_path,
                    scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
 }
 
@@ -25,7 +31,7 @@ void checkHeldDevice(const Scene& scene) {
   if (isHeld(scene)) static_cast<void>(chosen(scene).open());
 }
 
-HeldDevice makeHeldDevice(const Scene& scene, const VolumeBox& box) {
+std::shared_ptr<Device> openHeldDevice(const Scene& scene) {
   HidChoice choice = chosen(scene);
   DeviceSetup setup{.rate_hz = scene.rate_hz,
                     .values = std::move(choice.values),
@@ -34,7 +40,10 @@ HeldDevice makeHeldDevice(const Scene& scene, const VolumeBox& box) {
                     .calibrated = scene.device_calibrated || isStampedCalibrated(choice.device.path),
                     .thread_begins = [] { static_cast<void>(becomeRealTime(kLinkPriority)); }};
   if (scene.current_limit_A) setup.values["current_limit_A"] = *scene.current_limit_A;
-  std::unique_ptr<Device> device = makeDevice(deviceKindNamed(scene.device)->family, setup);
+  return makeDevice(kindOf(scene).family, setup);
+}
+
+HeldDevice placeHeldDevice(std::shared_ptr<Device> device, const Scene& scene, const VolumeBox& box) {
   const Placement placement = placementOf(scene, device->limits(), box);
   return {std::make_unique<PlacedDevice>(std::move(device), placement), placement};
 }

@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/held/held_words.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "servo/devices/force_off.hpp"
 
 namespace palpate {
+namespace {
+
+// In four digits, and not more than it is: whoever obeys must not be told the same again.
+double roundedDown(double value) {
+  const double step = std::pow(10.0, std::floor(std::log10(value)) - 3);
+  return std::floor(value / step) * step;
+}
+
+}  // namespace
 
 std::vector<std::string> heldDeviceWords(const std::string& name, const Device& device, const Placement& placement,
                                          double stiffness_N_per_m) {
@@ -23,7 +34,7 @@ std::vector<std::string> heldDeviceWords(const std::string& name, const Device& 
   if (most > 0 && stiffness_N_per_m > most) {
     words.push_back(
         fmt::format("a stiffness of {:.4g} N/m is more than the device's maker states: give at most {:.4g} N/m",
-                    stiffness_N_per_m, most));
+                    stiffness_N_per_m, roundedDown(most)));
   }
   return words;
 }

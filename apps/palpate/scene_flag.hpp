@@ -13,14 +13,16 @@
 namespace palpate {
 
 // Its value goes to `value`, as text; a flag without a value gets the word that it stands for.
-CLI::Option* addSceneFlag(CLI::App& verb, const SceneOption& option, std::string& value);
+// `usual`: a scene in which nothing was set.
+CLI::Option* addSceneFlag(CLI::App& verb, const SceneOption& option, std::string& value, const Scene& usual = {});
 
 // The flags of some options of a scene, by their keys, for a verb that reads no others. Must outlive parsing.
 class SceneFlags {
  public:
-  SceneFlags(CLI::App& verb, std::span<const char* const> keys);
+  SceneFlags(CLI::App& verb, std::span<const char* const> keys, const Scene& usual);
   // Sets what was given. Throws Error(kBadInput) for an invalid value.
   void apply(Scene& scene) const;
+  [[nodiscard]] std::vector<std::string> given() const;  // without their values
 
  private:
   struct Flag {

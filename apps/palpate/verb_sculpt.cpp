@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate sculpt IN: a window in which a volume is seen, touched and edited.
 #include "apps/console/message.hpp"
+#include "apps/scene/idle_options.hpp"
 #include "apps/sculpt/sculpt_session.hpp"
 #include "scene_flag.hpp"
 #include "verbs.hpp"
@@ -36,9 +37,10 @@ void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run)
   verb->add_option("--gpu", request->gpu, "part of the name of the Vulkan device (default: the best one)")
       ->check(notEmpty);
   addVolumeOptions(*verb, request->volume);
-  auto flags = std::make_shared<SceneFlags>(*verb, kDeviceKeys);
+  auto flags = std::make_shared<SceneFlags>(*verb, kDeviceKeys, request->device);
   verb->callback([request, flags, run = std::move(run)] {
     flags->apply(request->device);
+    for (const std::string& idle : idleOptions(request->device, flags->given())) tellUser(idle);
     run(*request);
   });
 }

@@ -102,6 +102,7 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
       most = std::min(most, 2 * hand.device_friction_N / limits.position_resolution_m);
   }
   const double wanted = limits.stiffness_limit_N_per_m > 0 ? limits.stiffness_limit_N_per_m : asked;
+  if (asked > 0) most /= stiffestWall(settings).stiffness_N_per_m / asked;  // where the density makes it stiffer, too
   if (!(most > 0)) return wanted;  // no stiffness is stable with this damping: boundWarnings() says so
   return most < wanted ? twoDigits(most, std::floor) : wanted;
 }

@@ -210,8 +210,8 @@ const char* optionGroup(const SceneOption& option) {
   return found->title;
 }
 
-std::string optionHelp(const SceneOption& option) {
-  const std::string standard = optionText(option.value, Scene{});
+std::string optionHelp(const SceneOption& option, const Scene& usual) {
+  const std::string standard = optionText(option.value, usual);
   std::string text = option.help;
   if (*option.unit != '\0') text += fmt::format(" [{}]", option.unit);
   if (isBare(option.value))

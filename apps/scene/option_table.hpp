@@ -27,8 +27,9 @@ struct SceneOption {
 // The heading of the option in --help: one for each table of the scene file.
 [[nodiscard]] const char* optionGroup(const SceneOption& option);
 
-// "stiffness of the contact, K [N/m] (default 500; key servo.stiffness_N_per_m)"
-[[nodiscard]] std::string optionHelp(const SceneOption& option);
+// "servo rate [Hz] (a number from 10 to 20000; default 1000; key servo.rate_hz)". `usual`: a scene in which nothing was
+// set.
+[[nodiscard]] std::string optionHelp(const SceneOption& option, const Scene& usual = {});
 
 // The table of docs/scene.md, as `palpate scene` prints it.
 [[nodiscard]] std::string sceneDocument();

@@ -6,11 +6,12 @@
 #include <fmt/format.h>
 
 #include "base/units.hpp"
+#include "servo/devices/force_off.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
 
-ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, bool held) {
+ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, std::optional<ForceOff> held) {
   ForceWords words;
   if (!runs) {
     words.state = "the servo is not running";
@@ -24,6 +25,10 @@ ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, bool h
   const double force_N = asVec3(tick.force_W).norm();
   words.state = tick.in_contact ? fmt::format("{:.2f} N, {:.2f} mm deep", force_N, tick.depth_m * kMillimetresPerMetre)
                                 : "no contact";
+  if (held && *held != ForceOff::kNone) {
+    const ForceOffWords off = wordsOf(*held);
+    words.reasons.push_back(fmt::format("forces are off because {}: {}", off.reason, off.remedy));
+  }
   for (const FaultText& fault : faultTable()) {
     if (has(tick.faults, fault.fault)) words.reasons.push_back(fmt::format("{}: {}", fault.text, fault.remedy));
   }

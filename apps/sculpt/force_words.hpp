@@ -2,9 +2,11 @@
 // apps/sculpt/force_words.hpp: says what is felt, or why nothing is, and what to do about it. Any thread; no cost.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "servo/devices/device.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -14,8 +16,9 @@ struct ForceWords {
   std::vector<std::string> reasons;  // why there is no force, or less than there would be, each with its remedy
 };
 
-// `tick`: the newest; tick -1: the servo has not begun. `runs`: whether the servo does. `held`:
-// whether a person holds the device; else a pointer leads it.
-[[nodiscard]] ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, bool held = false);
+// `tick`: the newest; tick -1: the servo has not begun. `runs`: whether the servo does. Of a
+// device that a person holds, `held`: why it exerts no force, if it does not; empty: a pointer leads the tool.
+[[nodiscard]] ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue,
+                                    std::optional<ForceOff> held = {});
 
 }  // namespace palpate

@@ -41,7 +41,6 @@ Vec3 restingPlace(const SeenExtent& object) {
 }
 
 void checkDevice(const Scene& scene) {
-  checkHeldDevice(scene);
   if (isHeld(scene) || deviceEntry(scene.device).needs_path) return;
   refuse("--device " + scene.device, "a window plays no recording back", "take 'palpate touch' for that");
 }
@@ -62,7 +61,11 @@ Scene withMouse() {
 }
 
 SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
-    : journal_(request.journal), scene_(request.device), loop_(request.loop), first_settings_(request.servo) {
+    : journal_(request.journal),
+      scene_(request.device),
+      held_device_(request.held),
+      loop_(request.loop),
+      first_settings_(request.servo) {
   checkDevice(scene_);  // before the work
   progress.stage("loading " + request.volume);
   volume_ = loadAndTell(request.volume, progress);
@@ -105,7 +108,7 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
   scene_.rate_hz = loop_.rate_hz;
   first_settings_.parameters.isovalue = first_isovalue_;
   first_settings_.parameters.rate_hz = loop_.rate_hz;
-  if (!isHeld(scene_)) {
+  if (!held_device_) {
     path_.emplace(restingPlace(facts_.object));
     device_ = makeDevice(scene_.device, {.path = &*path_, .rate_hz = loop_.rate_hz});
     makeRig();
@@ -149,7 +152,7 @@ const gpu::GpuInfo& SculptSession::gpu() const noexcept {
 
 void SculptSession::start() {
   if (!rig_) {
-    HeldDevice held = makeHeldDevice(scene_, boxOf(facts_.lattice, facts_.size));
+    HeldDevice held = placeHeldDevice(held_device_, scene_, boxOf(facts_.lattice, facts_.size));
     device_ = std::move(held.device);
     first_settings_.parameters.stiffness_N_per_m = usualStiffness(first_settings_, loop_, *device_);
     for (const std::string& words :
@@ -217,7 +220,8 @@ bool SculptSession::isUnsaved(const RigEdits::State& state) const {
 SculptState SculptSession::look() {
   SculptState state;
   state.edits = edits_->state();
-  state.running = rig_ && rig_->running();
+  state.running = rig_->running();
+  state.force_off = device_->forceOff();
   state.errands = errands_.load();  // before what they have saved
   state.unsaved = isUnsaved(state.edits);
   state.drawing_failure = view_.failure();

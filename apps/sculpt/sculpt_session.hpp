@@ -40,7 +40,8 @@ struct SculptRequest {
   std::filesystem::path journal = {};    // folder for the journal; empty: none
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
-  Scene device = withMouse();            // device, and how a real one is opened and placed; the rest is not read
+  Scene device = withMouse();            // device, and how one that is held is placed; the rest is not read
+  std::shared_ptr<Device> held = {};     // that device, if a person holds it (openHeldDevice)
   LoopParameters loop = {};              // its ticks are set: the servo runs until close()
   RigSettings servo = {};                // its isovalue is set
 };
@@ -56,7 +57,8 @@ struct SculptVolume {
 
 struct SculptState {
   RigEdits::State edits;
-  bool running = false;               // the servo
+  bool running = false;  // the servo
+  ForceOff force_off = ForceOff::kNone;
   bool unsaved = false;               // the newest saved file lacks an edit
   std::size_t errands = 0;            // saves and exports that are under way
   std::string drawing_failure;        // LiveView::failure()
@@ -66,8 +68,9 @@ struct SculptState {
 
 class SculptSession {
  public:
-  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, as readJournal and checkStart do, and kCancelled
-  // on Ctrl-C. Edits that are made again can be undone.
+  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, as readJournal and checkStart do,
+  // kBadInput for a device that a window cannot have, and kCancelled on Ctrl-C. Edits that are made again can be
+  // undone.
   SculptSession(const SculptRequest& request, Progress& progress);
   ~SculptSession();  // as close(); drops failures
   SculptSession(const SculptSession&) = delete;
@@ -76,12 +79,13 @@ class SculptSession {
   [[nodiscard]] const SculptVolume& volume() const noexcept { return facts_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
   [[nodiscard]] const std::string& device() const noexcept { return scene_.device; }
-  [[nodiscard]] bool deviceIsHeld() const noexcept { return !path_; }  // by a person: the pointer leads nothing
+  [[nodiscard]] bool deviceIsHeld() const noexcept { return held_device_ != nullptr; }  // the pointer leads nothing
   // What the engine computes, and what it leaves out.
   [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept { return plan_; }
 
-  // The servo and the drawing, until close(). Takes the device, if a person holds it: another session must have been
-  // closed by then. Throws as makeHeldDevice() does.
+  // The servo and the drawing, until close(). A device that is held is this session's until then, so the session that
+  // had it before must have been closed. Before start(), with such a device, nothing may be called that speaks of
+  // ticks, settings or state.
   void start();
   [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
   // Before start(): whether every edit made until now is on the disk, in the journal. Waits for the disk.
@@ -140,6 +144,7 @@ class SculptSession {
   std::unique_ptr<RigEdits> edits_;
   LiveView view_;
   Scene scene_;
+  std::shared_ptr<Device> held_device_;  // not yet placed
   LoopParameters loop_;
   RigSettings first_settings_;
   DensityScale scale_;

@@ -33,7 +33,7 @@ void checkDevice(const Scene& scene) {
 
 SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBox& box) {
   if (isHeld(scene)) {
-    HeldDevice held = makeHeldDevice(scene, box);
+    HeldDevice held = placeHeldDevice(openHeldDevice(scene), scene, box);
     return {std::move(held.device), held.placement};
   }
   if (scene.device != kRecorded) return {makeDevice(scene.device, deviceSetup(scene, path)), std::nullopt};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/touch/scene_device.hpp: the haptic device of a run along a path, of a recorded session, or in a person's hand.
 //
-// Set-up code. Throws Error: as makeDevice(), makeHeldDevice() and loadRecording() do.
+// Set-up code. Throws Error: as makeDevice(), openHeldDevice(), placeHeldDevice() and loadRecording() do.
 #pragma once
 
 #include <memory>

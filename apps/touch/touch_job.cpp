@@ -457,9 +457,11 @@ void TouchJob::assess() {
                                                 .path = hasPath(scene_) ? &path_->path : nullptr});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
+  Scene asked = scene_;  // with the way that was asked for, not the one that was chosen
+  asked.stiffness_N_per_m = run_.scene.stiffness_N_per_m;
   for (const auto& note :
        {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
-        noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(scene_, *run_.figures),
+        noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(asked, *run_.figures),
         noteOnNoContact(*run_.figures, !run_.ended_early.empty()), noteOnHand(scene_, *run_.figures, run_.phases),
         noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "apps/sculpt/force_words.hpp"
 #include "apps/window/panel_parts.hpp"
 #include "apps/window/panels.hpp"
 #include "servo/safety/faults.hpp"
@@ -11,8 +10,7 @@ namespace palpate {
 
 void showFaultsSection(WindowModel& model) {
   if (!section("Why is there no force?", false)) return;
-  const ForceWords words = forceWords(model.tick, model.state.running, model.session.settings().parameters.isovalue,
-                                      model.session.deviceIsHeld());
+  const ForceWords words = forceWordsOf(model);
   ImGui::TextWrapped("now: %s", words.state.c_str());
   for (const std::string& reason : words.reasons) ImGui::TextWrapped("- %s", reason.c_str());
   if (words.reasons.empty()) mutedText("nothing takes the force away");

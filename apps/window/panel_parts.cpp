@@ -8,6 +8,12 @@ constexpr float kLabel = 6.5F;  // width of a label [font size]
 
 }  // namespace
 
+ForceWords forceWordsOf(const WindowModel& model) {
+  const SculptSession& session = model.session;
+  return forceWords(model.tick, model.state.running, session.settings().parameters.isovalue,
+                    session.deviceIsHeld() ? std::optional(model.state.force_off) : std::nullopt);
+}
+
 bool section(const char* title, bool open_at_first) {
   return ImGui::CollapsingHeader(title, open_at_first ? ImGuiTreeNodeFlags_DefaultOpen : 0);
 }

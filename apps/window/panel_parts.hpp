@@ -6,11 +6,14 @@
 
 #include <imgui.h>
 
+#include "apps/sculpt/force_words.hpp"
 #include "apps/window/window_model.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
 
+// What is felt now, or why nothing is.
+[[nodiscard]] ForceWords forceWordsOf(const WindowModel& model);
 // A section that can be folded. Returns whether it is open.
 [[nodiscard]] bool section(const char* title, bool open_at_first = true);
 // About the item before it.

@@ -24,8 +24,8 @@ struct OpenVolume {
 // Whether these are names of one volume.
 [[nodiscard]] bool isSameVolume(const std::string& name, const std::string& other);
 
-// Opens a volume: asks what becomes of a session of it that a crash has left, loads it beside the window, and starts
-// the servo. `journals`: folder for them; empty: none is kept. Null: the person does not want it any more, or the
+// Opens a volume: asks what becomes of a session of it that a crash has left, and loads it beside the window.
+// `journals`: folder for them; empty: none is kept. Null: the person does not want it any more, or the
 // window shall close. Throws Error as SculptSession does; then nothing has changed.
 [[nodiscard]] std::unique_ptr<OpenVolume> openVolume(GuiHost& host, SculptRequest request,
                                                      const std::filesystem::path& journals);

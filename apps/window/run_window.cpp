@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/held/held_device.hpp"
 #include "apps/sculpt/user_folders.hpp"
 #include "apps/window/questions.hpp"
 #include "apps/window/sculpt_window.hpp"
@@ -47,6 +48,11 @@ std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRe
     }
     request.volume = volume;
     next = openNext(host, window, request, journals);
+    if (next && request.held && request.held->forceOff() == ForceOff::kDisconnected) {
+      window.say(request.device.device + " is not connected: plug it in, and open the other volume then");
+      next.reset();  // no servo begins without a first position
+      continue;
+    }
     if (next || interrupted() || host.wantsToClose()) break;
   }
   settings = window.settings();
@@ -63,6 +69,9 @@ std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRe
 
 void runWindow(const SculptRequest& asked) {
   SculptRequest request = asked;
+  request.device.rate_hz = request.loop.rate_hz;
+  // Once for all volumes: what it knows of its calibration is kept, and lost when it is unplugged.
+  if (isHeld(request.device)) request.held = openHeldDevice(request.device);
   const std::filesystem::path folder = settingsFolder(), journals = journalsFolder();
   const std::filesystem::path file = folder.empty() ? folder : folder / "sculpt.json";
   std::string remark;
@@ -76,8 +85,6 @@ void runWindow(const SculptRequest& asked) {
   const KeptWork kept;  // a signal closes the window in good order
   std::unique_ptr<OpenVolume> open = openVolume(host, request, journals);
   request.isovalue.reset();  // of the first volume
-  // So are these: whether an arm that was unplugged meanwhile is still calibrated, nobody has said again.
-  request.device.device_calibrated = false;
   request.device.place_at_W.reset();
   const auto keepSettings = [&] {
     if (!file.empty()) writeSettings(settings, file);

@@ -70,6 +70,7 @@ SculptWindow::SculptWindow(GuiHost& host, SculptSession& session, SculptSettings
       model_{.session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
       tool_(model_.view.distance_m()) {
   model_.sight.slice_range = sliceRangeFor(session.volume().statistics);
+  look();  // what is said later is the newest
 }
 
 std::string SculptWindow::run() {

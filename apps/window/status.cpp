@@ -2,15 +2,13 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "apps/sculpt/force_words.hpp"
 #include "apps/window/panel_parts.hpp"
 #include "apps/window/panels.hpp"
 
 namespace palpate {
 
 void showStatus(WindowModel& model) {
-  const ForceWords words = forceWords(model.tick, model.state.running, model.session.settings().parameters.isovalue,
-                                      model.session.deviceIsHeld());
+  const ForceWords words = forceWordsOf(model);
   ImGui::TextUnformatted(words.state.c_str());
   ImGui::SameLine(ImGui::GetFontSize() * 12);
   std::string reasons;

@@ -23,7 +23,7 @@ std::unique_ptr<Byte[]> room(std::uint64_t count) {
   return bytes;
 }
 
-// Empty if the file has fewer.
+// Null if the file has fewer.
 std::unique_ptr<unsigned char[]> bytesFrom(int descriptor, std::uint64_t offset, std::uint64_t count) {
   std::unique_ptr<unsigned char[]> bytes = room<unsigned char>(count);
   for (std::uint64_t done = 0; done < count;) {

@@ -19,8 +19,7 @@ struct ForceOffWords {
     case ForceOff::kNone:
       return {"none", "", ""};
     case ForceOff::kInputOnly:
-      return {"input-only", "the device has no motors",
-              "choose a device with forces; what would be felt is in the trace"};
+      return {"input-only", "the device has no motors", "choose a device with forces"};
     case ForceOff::kNoCurrentLimit:
       return {"no-current-limit", "nobody said what current the device's firmware is made for",
               "read it off the amplifiers and give it with --current-limit"};
@@ -28,7 +27,8 @@ struct ForceOffWords {
       return {"uncalibrated", "the device does not know where its handle is",
               "put the handle into its home position and press the calibration button, or run 'palpate calibrate'"};
     case ForceOff::kLimitZero:
-      return {"limit-zero", "the force limit is 0", "give a --force-limit above 0"};
+      return {"limit-zero", "the force limit is 0",
+              "raise force_limit_N, in the table of its kind or with --force-limit"};
     case ForceOff::kDisconnected:
       return {"disconnected", "the device is not connected", "plug it in; it is found again by itself"};
   }

@@ -32,8 +32,11 @@ Eigen::Matrix3d facingThePatient() {
   return axes;
 }
 
-PlacedDevice::PlacedDevice(std::unique_ptr<Device> device, const Placement& placement)
-    : device_(std::move(device)), placement_(checked(placement)), radius_m_(device_->limits().workspace_radius_m) {}
+PlacedDevice::PlacedDevice(std::shared_ptr<Device> device, const Placement& placement)
+    : device_(std::move(device)),
+      placement_(checked(placement)),
+      radius_m_(device_->limits().workspace_radius_m),
+      begins_at_place_(!device_->limits().follows_force) {}
 
 DeviceLimits PlacedDevice::limits() const noexcept {
   DeviceLimits limits = device_->limits();
@@ -61,6 +64,7 @@ bool PlacedDevice::read(Vec3& position_W) noexcept {
   Vec3 position_D = position_D_;
   if (!device_->read(position_D)) return false;
   const bool clutched = this->clutched();
+  if (!has_read_ && begins_at_place_) shift_D_ = position_D;
   if (has_read_ && (clutched || was_clutched_)) shift_D_ += position_D - position_D_;
   was_clutched_ = clutched;
   has_read_ = true;

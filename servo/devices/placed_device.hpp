@@ -7,6 +7,8 @@
 // in the scene's measures: a device of mass m moves there like one of m / (scale force_scale).
 //   Clutch: while the handle's switch is pressed the tool stays where it is and there is no force; the hand may go back
 // to where it has room. `shift` takes up the way.
+//   A device that no force moves (SpaceMouse) begins at `at`, wherever it was moved before it was placed.
+//   One device may be placed again, one placement after another: only one of them may be in a loop.
 //   Beyond its workspace's radius a spring pushes the handle back, so that the end of the workspace is felt before the
 // mechanics stop.
 // Frame W: world [m, N]. Threads as in device.hpp; no heap after construction.
@@ -35,7 +37,7 @@ class PlacedDevice final : public Device {
  public:
   // Throws Error(kBadInput) unless both scales are above 0 and finite, the place is finite, the edge not negative, and
   // R_WD a rotation.
-  PlacedDevice(std::unique_ptr<Device> device, const Placement& placement);
+  PlacedDevice(std::shared_ptr<Device> device, const Placement& placement);
 
   [[nodiscard]] std::string_view name() const noexcept override { return device_->name(); }
   [[nodiscard]] DeviceLimits limits() const noexcept override;
@@ -54,9 +56,10 @@ class PlacedDevice final : public Device {
   [[nodiscard]] bool clutched() const noexcept { return placement_.clutch && device_->pressed(); }
   [[nodiscard]] Vec3 toDevice(const Vec3& force_W) const noexcept;
 
-  std::unique_ptr<Device> device_;
+  std::shared_ptr<Device> device_;
   Placement placement_;
-  double radius_m_;  // of the device's workspace, in D; 0: none is stated
+  double radius_m_;       // of the device's workspace, in D; 0: none is stated
+  bool begins_at_place_;  // its first position is `at`
   Vec3 position_D_ = Vec3::Zero(), shift_D_ = Vec3::Zero();
   bool has_read_ = false, was_clutched_ = false;
 };

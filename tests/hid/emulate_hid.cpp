@@ -235,9 +235,9 @@ class Emulated {
 
   void unplug() {
     there_ = false;
-    connection_ = Socket();
+    unlink(socket_.c_str());  // first, or the program is back before the listener has gone
     listener_ = Socket();
-    unlink(socket_.c_str());
+    connection_ = Socket();
     arm_->restart();
   }
   void plugIn() {
@@ -310,10 +310,12 @@ class Machine {
       serve();
       for (std::size_t i = 0; i < devices_.size(); ++i) {
         if (!devices_[i]->wasUnplugged()) continue;
-        if (gone_ms == 0) umockdev_testbed_remove_device(testbed_, sysPath(i).c_str());
+        // The testbed cannot take a node of the same name twice. One that comes again stays in /sys meanwhile, and what
+        // is behind it is gone: it cannot be opened. tests/hid/kernel has a kernel that takes it away and brings it.
+        const bool comes_again = options_.replug_ms >= 0;
+        if (gone_ms == 0 && !comes_again) umockdev_testbed_remove_device(testbed_, sysPath(i).c_str());
         if (gone_ms == 0) gone_ms = nowMs();
-        if (options_.replug_ms < 0 || nowMs() < gone_ms + options_.replug_ms) continue;
-        plugIn(options_.devices[i], i);
+        if (!comes_again || nowMs() < gone_ms + options_.replug_ms) continue;
         devices_[i]->plugIn();
         gone_ms = 0;
       }

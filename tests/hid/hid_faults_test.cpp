@@ -72,6 +72,26 @@ TEST_F(HidFaults, AreToldWhenTheCableIsPulled) {
   for (std::size_t i = 1200; i < trace.rows.size(); ++i) EXPECT_EQ(trace.rows[i].force_N().norm(), 0) << i;
 }
 
+// It comes back by itself, and counts from anywhere: no force until it is calibrated again, whatever was said at the
+// start. By the real clock, since it comes back after a time.
+TEST_F(HidFaults, ACableThatIsPluggedInAgainBringsTheDeviceBackWithoutForce) {
+  writeWay("phantom:sphere?size=64", 4, 2);
+  const Outcome outcome = on(
+      {"--paced", "--path", "way.csv", "--at", "0,0,0", "--unplug-after", "1000", "--replug-ms", "200", "--log", "log"},
+      {"touch", "phantom:sphere?size=64", "--device", "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1",
+       "--calibrated", "--current-limit", "3", "--edge", "0", "--seconds", "4", "--picture", "off"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
+  EXPECT_EQ(figure("disconnects"), 1);
+  EXPECT_EQ(figure("reconnects"), 1);
+  EXPECT_GT(figure("reports_received"), 1100);   // it answers again
+  EXPECT_GT(account().force_max_N, 0.1);  // before
+  const Trace trace = readTrace(file("out") / "trace.csv");
+  ASSERT_GT(trace.rows.size(), 3000U);
+  for (std::size_t i = trace.rows.size() - 1000; i < trace.rows.size(); ++i)
+    EXPECT_EQ(trace.rows[i].force_N().norm(), 0) << i;
+}
+
 // A device that answers no more in contact: its last position grows old, which is a fault, and the force fades.
 TEST_F(HidFaults, AreToldWhenTheDeviceFallsSilent) {
   writeWay("phantom:sphere?size=64", 2, 2);

@@ -52,6 +52,7 @@ TEST_F(NoForce, NoDevice) {
 TEST_F(NoForce, NoPermission) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   const Outcome outcome = emulate({"--forbidden"}, asNobody(Words{"touch", kPhantom} + kReadyPolhem));
+  EXPECT_EQ(outcome.status, 6);
   EXPECT_THAT(outcome.err, HasSubstr("/dev/hidraw0: you have no right to use it; run 'palpate doctor --install-udev'"));
 }
 
@@ -112,8 +113,10 @@ TEST_F(NoForce, IsovalueOff) {
 TEST_F(NoForce, NoRealTimeRights) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   const Outcome outcome = emulate({"--forbidden"}, asNobody({"touch", kPhantom, "--require-real-time"}));
+  EXPECT_EQ(outcome.status, 6);
   EXPECT_THAT(outcome.err, HasSubstr("no real-time priority"));
   const Outcome doctor = emulate({}, asNobody({"doctor", "--seconds", "0.2"}));
+  EXPECT_EQ(doctor.status, 1) << doctor.err;
   EXPECT_THAT(doctor.out, HasSubstr("note  real time"));
 }
 

@@ -4,13 +4,15 @@
 #pragma once
 
 #include <cstdlib>
+#include <cstring>
 
 #include <gtest/gtest.h>
 
 namespace palpate {
 
 inline bool isLongRun() {
-  return std::getenv("PALPATE_LONG") != nullptr;
+  const char* text = std::getenv("PALPATE_LONG");
+  return text != nullptr && std::strcmp(text, "1") == 0;
 }
 
 }  // namespace palpate

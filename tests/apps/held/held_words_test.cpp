@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/held/held_words.hpp"
 
+#include <cmath>
+#include <random>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,11 +18,12 @@ using testing::HasSubstr;
 class Arm final : public Device {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "arm"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return {.stiffness_limit_N_per_m = 800}; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return {.stiffness_limit_N_per_m = most}; }
   [[nodiscard]] ForceOff forceOff() const noexcept override { return off; }
   [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
   [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
   ForceOff off = ForceOff::kNone;
+  double most = 800;
 };
 
 TEST(HeldWords, ScaleAndTheWallAtTheHandle) {
@@ -39,6 +43,20 @@ TEST(HeldWords, WhatItsMakerAdvisesAgainst) {
       heldDeviceWords("arm", Arm(), {}, 801),
       ElementsAre(testing::_, HasSubstr("a stiffness of 801 N/m is more than the device's maker states: give at "
                                         "most 800 N/m")));
+}
+
+// What is advised can be given: it is not told again.
+TEST(HeldWords, TheMakersLimitIsNotRoundedUp) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 2000; ++i) {
+    Arm arm;
+    arm.most = std::pow(10, std::uniform_real_distribution<>(-1, 6)(random));
+    const std::string words = heldDeviceWords("arm", arm, {}, 1e7).at(1);
+    const std::size_t at = words.find("at most ") + 8;
+    const double advised = std::stod(words.substr(at));
+    EXPECT_GT(advised, 0.998 * arm.most);
+    EXPECT_EQ(heldDeviceWords("arm", arm, {}, advised).size(), 1U) << words << ", " << arm.most;
+  }
 }
 
 // Each reason that a device has for no force is told with what to do.

@@ -157,11 +157,29 @@ TEST_F(Verbs, HelpOfTheProgramNamesEveryVerb) {
   }
 }
 
+// Of the device, the flags that a window reads, with what it begins with.
+TEST_F(Verbs, HelpOfSculptHasTheDevicesFlags) {
+  const std::string help = run({"sculpt", "--help"}).out;
+  EXPECT_THAT(help, testing::ContainsRegex("--device [^\n]*default mouse; key device.name"));
+  for (const char* flag : {"--device-path", "--hid", "--calibrated", "--current-limit", "--place-at", "--place-turn",
+                           "--place-scale", "--force-scale", "--clutch", "--edge"})
+    EXPECT_THAT(help, HasSubstr(std::string("\n  ") + flag + " "));
+  EXPECT_THAT(help, testing::Not(HasSubstr("--device-mass")));
+  expectRefusal(run({"sculpt", "phantom:sphere", "--force-scale", "0"}), "--force-scale", "'0' is not what it takes",
+                2);
+}
+
+TEST_F(Verbs, TouchHasNoMouse) {
+  expectRefusal(run({"touch", "phantom:sphere?size=16", "--device", "mouse"}), "--device mouse",
+                "a run along a path has no window, and so no pointer", 2);
+}
+
 // Each flag with its key, and its unit and default where it has them.
 TEST_F(Verbs, HelpOfTouchShowsUnitsAndDefaults) {
   for (const char* verb : {"touch", "plan"}) {
     const std::string help = run({verb, "--help"}).out;
-    EXPECT_THAT(help, HasSubstr("damping of the contact along the normal, B [N s/m] (a number from 0 to 1000; default 0.5;"));
+    EXPECT_THAT(help,
+                HasSubstr("damping of the contact along the normal, B [N s/m] (a number from 0 to 1000; default 0.5;"));
     for (const SceneOption& option : sceneOptions()) {
       const auto at = help.find(std::string("\n  ") + option.flag + " ");
       ASSERT_NE(at, std::string::npos) << option.flag;

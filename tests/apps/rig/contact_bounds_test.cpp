@@ -190,6 +190,13 @@ TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {
   EXPECT_EQ(usualStiffness(settings, loop, made), 800);
   made.of.position_resolution_m = 0;  // nothing is rounded
   EXPECT_EQ(usualStiffness(settings, loop, made), rendered);
+  // Where the density makes it three times as stiff, that is what must be stable, and nothing is warned about.
+  settings.effects.stiffness_by_density = {{0, 1}, {100, 3}};
+  EXPECT_NEAR(usualStiffness(settings, loop, made), rendered / 3, 0.1 * rendered / 3);
+  RigSettings chosen = settings;
+  chosen.parameters.stiffness_N_per_m = usualStiffness(settings, loop, made);
+  EXPECT_THAT(boundWarnings(chosen, loop, made), testing::IsEmpty());
+  settings.effects.stiffness_by_density.clear();
   // A damping with which nothing is stable: it is warned about, and the wall does not vanish.
   settings.parameters.damping_Ns_per_m = 1000;
   made.of.stiffness_limit_N_per_m = 900;

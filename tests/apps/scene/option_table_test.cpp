@@ -183,6 +183,10 @@ TEST(OptionTable, KeysAreFound) {
 }
 
 TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
+  Scene usual;
+  usual.rate_hz = 3000;
+  EXPECT_EQ(optionHelp(*optionOfKey("servo.rate_hz"), usual),
+            "servo rate [Hz] (a number from 10 to 20000; default 3000; key servo.rate_hz)");
   EXPECT_EQ(optionHelp(*optionOfKey("servo.stiffness_N_per_m")),
             "stiffness of the contact, K; if not given 500, or what a device that is held bears [N/m] (a number from 0 "
             "to 100000; "

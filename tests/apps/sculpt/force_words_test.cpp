@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "servo/devices/force_off.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -39,7 +40,7 @@ TEST(ForceWords, TellWhyThereIsNone) {
   record.density = 300;
   EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the object")));
   EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("press the left button")));
-  EXPECT_THAT(forceWords(record, true, 300, true).reasons, ElementsAre(HasSubstr("move the device to it")));
+  EXPECT_THAT(forceWords(record, true, 300, ForceOff::kNone).reasons, ElementsAre(HasSubstr("move the device to it")));
   for (const float unknown : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
     record.density = unknown;  // beyond the window, or beyond the volume
     EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the volume")));
@@ -49,6 +50,20 @@ TEST(ForceWords, TellWhyThereIsNone) {
   EXPECT_THAT(forceWords(record, true, 300).state, HasSubstr("starting"));
   EXPECT_THAT(forceWords(tick(), false, 300).state, HasSubstr("not running"));
   EXPECT_THAT(forceWords(tick(), false, 300).reasons, ElementsAre(HasSubstr("open the volume again")));
+}
+
+// Of a device that a person holds, first of all, in contact too, with what to do; and no guess beside it is lost.
+TEST(ForceWords, TellWhyADeviceExertsNone) {
+  for (const ForceOff why : {ForceOff::kInputOnly, ForceOff::kNoCurrentLimit, ForceOff::kUncalibrated,
+                             ForceOff::kLimitZero, ForceOff::kDisconnected}) {
+    TickRecord record = tick();
+    const auto off = testing::AllOf(HasSubstr("forces are off because " + std::string(wordsOf(why).reason)),
+                                    HasSubstr(std::string(wordsOf(why).remedy)));
+    EXPECT_THAT(forceWords(record, true, 300, why).reasons, ElementsAre(off));
+    record.faults = bit(ServoFault::kStaleWindow);
+    EXPECT_THAT(forceWords(record, true, 300, why).reasons, ElementsAre(off, HasSubstr("in time")));
+  }
+  EXPECT_THAT(forceWords(tick(), true, 300, ForceOff::kNone).reasons, IsEmpty());
 }
 
 // Each fault in the words of the table, with its remedy.

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate sculpt` with a device in a hand: an emulated Polhem at its own pace, through hidapi.
+#include <chrono>
+#include <thread>
+
 #include <fmt/format.h>
 
 #include "apps/sculpt/session_folders.hpp"
@@ -27,10 +30,34 @@ class WithAnArm : public OnADesktop {
     for (int t_s = 0; t_s < 600; t_s += 2)
       csv << fmt::format("{},0,{},0\n", t_s, t_s % 4 == 0 ? surface_y - 5e-3 : inside_W.y());
     csv.close();
-    runner = {PALPATE_EMULATE_HID, "--paced", "--path", way, "--at", "0,0,0", "--"};
+    arm = {"--paced", "--path", way, "--at", "0,0,0"};
     more = {{"XDG_RUNTIME_DIR", folder.path().string()}};
     options = {"--device",        "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1", "--calibrated",
                "--current-limit", "3",         "--edge",     "0"};
+  }
+  void startWithArm(const std::vector<std::string>& how = {}) {
+    runner = {PALPATE_EMULATE_HID};
+    runner.insert(runner.end(), arm.begin(), arm.end());
+    runner.insert(runner.end(), how.begin(), how.end());
+    runner.emplace_back("--");
+    start();
+  }
+  // The brush is held by the keyboard over the picture, for two of the hand's ways in and out and more, or until it has
+  // drilled in the only session that is open.
+  bool drillsInAnotherVolume() {
+    const std::filesystem::path first = journal();
+    enters(kFileX, kOpenY, "phantom:sphere?size=48&seed=2");
+    EXPECT_TRUE(waitUntil([&] { return !journal().empty() && journal() != first; })) << program->said();
+    EXPECT_TRUE(showsBallBesideTheTool()) << program->said();
+    desktop->moves(kPicture.x + 20, 20);
+    desktop->does({"click", "3", "keydown", "space"});
+    bool drilled = false;
+    for (int i = 0; i < 90 && !drilled; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      drilled = !readJournal(journal()).records.empty();
+    }
+    desktop->does({"keyup", "space"});
+    return drilled;
   }
   // The tool is always on its way, so that nothing is ever still.
   bool showsBallBesideTheTool() {
@@ -43,11 +70,12 @@ class WithAnArm : public OnADesktop {
   }
   static constexpr double kDeep_m = 2e-3;
   Vec3 inside_W = Vec3::Zero();
+  std::vector<std::string> arm;  // how it is emulated
 };
 
-// The mouse's pointer stays at the picture's edge: the tool is where the arm is, and the keyboard holds the brush.
+// The mouse's pointer stays at the picture's edge, and its button holds the brush: the tool is where the arm is.
 TEST_F(WithAnArm, DrillsWhereTheArmIs) {
-  start();
+  startWithArm();
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   desktop->moves(kPicture.x + 20, 20);
   desktop->does({"mousedown", "1"});
@@ -69,20 +97,37 @@ TEST_F(WithAnArm, DrillsWhereTheArmIs) {
   EXPECT_GT(deepest_y, inside_W.y() - kDeep_m);
 }
 
-// --calibrated was said of the arm as it was at the start. Whether it still is when another volume is opened, nobody
-// has said: so it begins without force, and nothing is drilled, on the same way on which the first volume was.
-TEST_F(WithAnArm, IsNotTakenForCalibratedWithAnotherVolume) {
-  start();
+// One device for all volumes, which knows whether it is calibrated.
+TEST_F(WithAnArm, GoesOnWithAnotherVolume) {
+  startWithArm();
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
+  EXPECT_TRUE(drillsInAnotherVolume()) << program->said();
+  endsWell();
+}
+
+// The same, but the cable was pulled for a moment: it counts from anywhere then, and exerts no force, whatever was said
+// of it at the start.
+TEST_F(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
+  startWithArm({"--unplug-after", "3000", "--replug-ms", "300"});
+  ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
+  std::this_thread::sleep_for(std::chrono::seconds(5));
+  EXPECT_FALSE(drillsInAnotherVolume()) << program->said();
+  endsWell();
+}
+
+// With the cable out no other volume is opened: the one that is open stays, and the window says why.
+TEST_F(WithAnArm, ThatIsUnpluggedLeavesTheVolumeOpen) {
+  startWithArm({"--unplug-after", "3000"});
+  ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
+  std::this_thread::sleep_for(std::chrono::seconds(5));
+  ASSERT_TRUE(movesOff());
+  const Screen before = desktop->look();
   const std::filesystem::path first = journal();
-  enters(kFileX, kOpenY, "phantom:sphere?size=48&seed=2");
-  ASSERT_TRUE(waitUntil([&] { return !journal().empty() && journal() != first; })) << program->said();
-  ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
-  desktop->moves(kPicture.x + 20, 20);
-  desktop->does({"mousedown", "1"});
-  std::this_thread::sleep_for(std::chrono::seconds(9));  // two of the hand's ways in and out, and more
-  EXPECT_TRUE(readJournal(journal()).records.empty());
-  desktop->does({"mouseup", "1"});
+  enters(kFileX, kOpenY, "phantom:box?size=32");
+  EXPECT_TRUE(saysSomething(before)) << program->said();
+  ASSERT_TRUE(movesOff());
+  EXPECT_EQ(differing(before, desktop->look(), kUpper), 0);
+  EXPECT_EQ(journal(), first);
   endsWell();
 }
 
@@ -92,6 +137,16 @@ TEST_F(OnADesktop, SaysThatNoDeviceIsThere) {
   start();
   EXPECT_EQ(program->ends(), 3) << program->said();
   EXPECT_THAT(program->said(), testing::HasSubstr("spacemouse"));
+}
+
+// Flags of a real device are not ignored in silence.
+TEST_F(OnADesktop, TellsFlagsThatOnlyARealDeviceHas) {
+  options = {"--calibrated", "--current-limit", "3"};
+  start();
+  ASSERT_TRUE(showsBall()) << program->said();
+  endsWell();
+  EXPECT_THAT(program->said(), testing::HasSubstr("--current-limit has no effect: only a real --device has it"));
+  EXPECT_THAT(program->said(), testing::HasSubstr("--calibrated has no effect"));
 }
 
 TEST_F(OnADesktop, PlaysNoRecording) {

@@ -19,6 +19,7 @@ class Handle final : public Device {
     return {.force_limit_N = 6,
             .position_resolution_m = 1e-5,
             .slew_limit_N_per_s = 600,
+            .follows_force = follows_force,
             .stiffness_limit_N_per_m = 900,
             .workspace_radius_m = 0.1};
   }
@@ -35,7 +36,7 @@ class Handle final : public Device {
   [[nodiscard]] Vec3 held(const Vec3& f) const noexcept override { return f.norm() > 6 ? Vec3(f.normalized() * 6) : f; }
 
   Vec3 at_D = Vec3::Zero(), force_D = Vec3::Zero();
-  bool is_pressed = false, answers = true, takes = true;
+  bool is_pressed = false, answers = true, takes = true, follows_force = true;
 };
 
 struct Placed {
@@ -155,6 +156,31 @@ TEST(PlacedDevice, RefusesWhatIsNoPlacement) {
         Placement{.force_scale = nan}, Placement{.at_W = Vec3(nan, 0, 0)}, Placement{.R_WD = mirrored},
         Placement{.R_WD = 2 * Eigen::Matrix3d::Identity()}, Placement{.edge_stiffness_N_per_m = -1}})
     EXPECT_THROW(PlacedDevice(std::make_unique<Handle>(), p), Error);
+}
+
+// One that no force moves begins where it is put, wherever it was moved before; one with forces has a frame of its own.
+TEST(PlacedDevice, IsPutInSeveralPlacesOneAfterAnother) {
+  Seeded random(9);
+  for (const bool follows : {false, true}) {
+    const auto handle = std::make_shared<Handle>();
+    handle->follows_force = follows;
+    for (int volume = 0; volume < 100; ++volume) {
+      const Placement placement = anyPlacement(random);
+      PlacedDevice device(handle, placement);
+      const Vec3 begins_D = random.inCube(0.1), goes_D = random.inCube(0.1);
+      Vec3 at_W;
+      handle->at_D = begins_D;
+      ASSERT_TRUE(device.read(at_W));
+      const Vec3 from_D = follows ? Vec3(Vec3::Zero()) : begins_D;
+      const auto placed = [&](const Vec3& p_D) {
+        return Vec3(placement.at_W + placement.scale * (placement.R_WD * (p_D - from_D)));
+      };
+      EXPECT_LT((at_W - placed(begins_D)).norm(), 1e-12);
+      handle->at_D = begins_D + goes_D;
+      ASSERT_TRUE(device.read(at_W));
+      EXPECT_LT((at_W - placed(begins_D + goes_D)).norm(), 1e-12);
+    }
+  }
 }
 
 }  // namespace placed_device_test
