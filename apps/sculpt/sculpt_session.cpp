@@ -113,7 +113,6 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
     device_ = makeDevice(scene_.device, {.path = &*path_, .rate_hz = loop_.rate_hz});
     makeRig();
   }
-  progress.done();
 }
 
 void SculptSession::makeRig() {

@@ -180,6 +180,8 @@ TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {
   EXPECT_EQ(usualStiffness(settings, loop, made), 900);
   made.of.stiffness_limit_N_per_m = 300;
   EXPECT_EQ(usualStiffness(settings, loop, made), 300);
+  made.of.stiffness_limit_N_per_m = 0.5;  // at the handle of a device that is placed at a large scale
+  EXPECT_EQ(usualStiffness(settings, loop, made), 0.5);
   made.of.stiffness_limit_N_per_m = 1e6;
   const double rendered = usualStiffness(settings, loop, made);
   EXPECT_LE(rendered, most);
