@@ -41,8 +41,10 @@ class Search {
     const Candidate middle = best();
     feelAround(middle);
     const std::vector<std::size_t> finalists = measureAgain();
-    if (!finalists.empty() && found_.trials[finalists.front()].candidate != middle)
-      feelAround(found_.trials[finalists.front()].candidate);
+    if (!finalists.empty()) {
+      const Candidate first = found_.trials[finalists.front()].candidate;  // a copy: feeling moves the trials
+      if (first != middle) feelAround(first);
+    }
     pick(finalists);
     return std::move(found_);
   }
@@ -62,7 +64,7 @@ class Search {
   }
 
   // Each candidate once, by two runs of which the quicker counts: what else the machine does only adds to a time.
-  const Trial& feel(const Candidate& candidate) {
+  Trial feel(const Candidate& candidate) {
     const auto known = std::ranges::find(found_.trials, candidate, &Trial::candidate);
     if (known != found_.trials.end()) return *known;
     Trial trial = feel_(candidate);
@@ -84,7 +86,7 @@ class Search {
     const auto tryAll = [&](const std::vector<std::string>& list) {
       for (const std::string& value : list) {
         candidate.*choice = value;
-        const Trial& trial = feel(candidate);
+        const Trial trial = feel(candidate);
         if (!holdsContact(trial, found_.base) || !(trial.error_N < least_N * (1 - kSameError))) continue;
         least_N = trial.error_N;
         best = value;
@@ -100,7 +102,7 @@ class Search {
     std::vector<Trial> usable;
     for (const int edge : space_.windows) {
       candidate.window_edge = edge;
-      const Trial& trial = feel(candidate);
+      const Trial trial = feel(candidate);
       const bool as_true = !(trial.error_N > largest_N * (1 + kSameError) + 1e-6);
       if (as_true && holdsContact(trial, found_.base)) usable.push_back(trial);
     }

@@ -20,6 +20,8 @@ constexpr int kMostLeaps = 3;            // in a row: the device does count from
 constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
+constexpr std::uint64_t kPacedReports = 16;  // by which the pace of its reports is known
+constexpr int kPace_ms = 200;                // or what came in this time
 constexpr double kMilliamperesPerAmpere = 1e3;
 
 const PolhemParameters& checked(const PolhemParameters& p) {
@@ -91,7 +93,10 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
     else
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  if (received_ns_ != 0) return;
+  if (received_ns_ != 0) {
+    if (!use_.simulated_clock) measurePace();
+    return;
+  }
   const bool answered = link_.figures().received > 0;
   throw Error(Error::Code::kDevice, "device Polhem",
               answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
@@ -100,11 +105,31 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
                        : "switch it on, and unplug other programs that use it");
 }
 
+// The device sets the pace of an exchange, and the bus adds to it: each may be slower than the servo.
+void PolhemDevice::measurePace() {
+  const std::uint64_t first = seen_;
+  const std::int64_t first_ns = received_ns_;
+  const std::int64_t end_ns = monotonicNow_ns() + std::llround(kPace_ms * kNanosecondsPerMillisecond);
+  while (seen_ < first + kPacedReports && monotonicNow_ns() < end_ns) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    take(link_.newest());
+  }
+  if (seen_ == first) return;
+  report_period_s_ =
+      static_cast<double>(received_ns_ - first_ns) / kNanosecondsPerSecond / static_cast<double>(seen_ - first);
+}
+
+// A force waits for the next report at most, so for one report's time. A quarter of a tick is what threads wake late.
+int PolhemDevice::delayTicks() const noexcept {
+  if (use_.simulated_clock) return 0;
+  return std::max(1, static_cast<int>(std::ceil(report_period_s_ * use_.rate_hz - 0.25)));
+}
+
 DeviceLimits PolhemDevice::limits() const noexcept {
   const Vec3 middle = arm_.anglesAt(Vec3::Zero()).value_or(angles_);
   return {.force_limit_N = parameters_.force_limit_N,
           .position_resolution_m = arm_.resolution_m(middle),
-          .force_delay_ticks = use_.simulated_clock ? 0 : 1,
+          .force_delay_ticks = delayTicks(),
           .slew_limit_N_per_s = parameters_.slew_limit_N_per_s,
           .follows_force = true,
           .stiffness_limit_N_per_m = parameters_.stiffness_limit_N_per_m,
@@ -141,6 +166,7 @@ std::vector<DeviceFigure> PolhemDevice::figures() const {
           {"disconnects", value(f.disconnects)},
           {"reconnects", value(f.reconnects)},
           {"calibrations", value(valueOf(calibrations_))},
+          {"report_period_us", report_period_s_ * 1e6},
           {"write_p50_us", f.write_p50_us},
           {"write_p99_us", f.write_p99_us},
           {"write_max_us", f.write_max_us}};

@@ -52,7 +52,8 @@ struct PolhemUse {
 
 class PolhemDevice final : public Device {
  public:
-  // Waits for the first report. Throws Error: as `open` does; kDevice if no report comes, or none that is a Polhem's.
+  // Waits for the first report and, by the real clock, for the pace of the next ones, 0.2 s at most. Throws Error: as
+  // `open` does; kDevice if no report comes, or none that is a Polhem's.
   PolhemDevice(const PolhemParameters& parameters, const PolhemUse& use, PortOpener open);
 
   [[nodiscard]] std::string_view name() const noexcept override { return "Polhem"; }
@@ -71,6 +72,8 @@ class PolhemDevice final : public Device {
 
  private:
   void take(const Received& received) noexcept;
+  void measurePace();
+  [[nodiscard]] int delayTicks() const noexcept;
   void countFrom(const PolhemCounts& raw) noexcept;
   void countOn(const PolhemCounts& raw) noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
@@ -82,6 +85,7 @@ class PolhemDevice final : public Device {
   ReportLink link_;
   std::uint64_t seen_ = 0, connection_ = 0;
   std::int64_t received_ns_ = 0;  // when the last report that counted came
+  double report_period_s_ = 0;    // measured at the start; 0: by the simulated clock, or nothing came [s]
   int silent_ticks_ = 0;          // simulated clock: since then
   PolhemCounts raw_{};
   ArmCounts counts_{};

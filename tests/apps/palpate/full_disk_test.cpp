@@ -99,6 +99,22 @@ TEST_F(FullDisk, AResultIsNamedByItsPlace) {
   EXPECT_FALSE(exists("out"));
 }
 
+// A recording of 60,000 ticks takes more than 24 bytes a tick. It is written last, so that the report is there.
+TEST_F(FullDisk, ARecordingThatFindsNoRoomLeavesTheReport) {
+  write("s.rec", "old");
+  const Outcome outcome =
+      runPalpate({.arguments = {"touch", "phantom:sphere?size=16", "--seconds", "6", "--rate", "10000", "--clock",
+                                "simulated", "--picture", "off", "--trace", "off", "--record", "s.rec", "--out", "out"},
+                  .folder = folder(),
+                  .file_size_limit = 1'000'000});
+  expectRefusal(outcome, "s.rec", "make room", 4);
+  EXPECT_EQ(nlohmann::json::parse(contentsOf(file("out") / "summary.json"))["servo"]["ticks"], 60'000);
+  EXPECT_TRUE(exists("out/report.html"));
+  EXPECT_EQ(contentsOf(file("s.rec")), "old");
+  for (const auto& entry : std::filesystem::directory_iterator(folder()))
+    EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr("palpate-part")));
+}
+
 // A file system of 256 KiB that is full.
 TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
   const std::filesystem::path disk = file("disk");

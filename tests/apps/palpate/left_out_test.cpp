@@ -40,7 +40,7 @@ class LeftOut : public ProgramTest {
   static Names ownThreads(const json& summary) {
     Names own;
     for (const std::string& name : namesIn(summary["work"]["threads"]))
-      if (Names{"engine", "servo", "journal", "saver"}.contains(name)) own.insert(name);
+      if (Names{"engine", "servo", "journal", "saver", "device"}.contains(name)) own.insert(name);
     return own;
   }
   // On the device at the end, without samples: which bricks have these depends on where a window met the tool.
@@ -175,6 +175,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Brought{.name = "mesh",
                             .words = {"--object", "mesh:position=0,0,100000:file=tetrahedron.obj"},
                             .libraries = {"embree.so", "libembree", "assimp.so", "libassimp."}},
+                    Brought{.name = "record", .words = {"--record", "session.rec"}},
                     Brought{.name = "passivity", .words = {"--passivity", "control"}},
                     Brought{.name = "edits",
                             .words = {"--edit", "remove:radius=2mm"},
@@ -229,6 +230,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Beside{"all_gradients_beside_others", kBusy, {"--gradient", "all"}},
                     Beside{"far_ball", kNoPicture, {"--object", "sphere:centre=0,0,100000:radius=5"}},
                     Beside{"far_mesh", kNoPicture, {"--object", "mesh:position=0,0,100000:file=tetrahedron.stl"}},
+                    Beside{"record", kNoPicture, {"--record", "session.rec"}},
                     Beside{"journal", kEdited, {"--journal", "journal"}},
                     Beside{"save", kEdited, {"--save", "saved.vdb"}},
                     Beside{"memory_limit", kBusy, {"--gpu-memory", "1GiB"}}),

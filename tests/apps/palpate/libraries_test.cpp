@@ -29,6 +29,8 @@ const std::vector<Module>& modules() {
                                                {"embree", {"libembree"}},
                                                {"assimp", {"libassimp."}},
                                                {"cairo", {"libcairo.", "libfontconfig.", "libpixman"}},
+                                               {"hidraw", {"libhidapi-hidraw."}},
+                                               {"hidusb", {"libhidapi-libusb."}},
                                                {"rivals", {}}};
   return kModules;
 }

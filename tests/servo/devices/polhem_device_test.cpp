@@ -255,6 +255,31 @@ TEST(PolhemDevice, CountsBeyondSixteenBits) {
   EXPECT_GT(largest, 40'000);
 }
 
+// A sleep is never shorter than asked for, so a period is 5 ms at least. A cable that takes no time gives 16 reports in
+// far less than 16 ticks of 10 ms.
+TEST(PolhemDevice, KnowsThePaceOfItsReports) {
+  const auto made = [](std::chrono::microseconds pace, double rate_hz) {
+    EmulatedPolhem emulated(known(), {}, rest(), kTick_s);
+    EmulatedCable cable(emulated);
+    cable.pace = pace;
+    const PolhemDevice device(known(), {.rate_hz = rate_hz, .calibrated = true}, cable.opener());
+    double period_us = 0;
+    for (const DeviceFigure& f : device.figures()) {
+      if (f.key == "report_period_us") period_us = f.value;
+    }
+    return std::pair(device.limits().force_delay_ticks, period_us);
+  };
+  const auto [slow_ticks, slow_us] = made(std::chrono::milliseconds(5), 1000);
+  EXPECT_GE(slow_ticks, 5);
+  EXPECT_GE(slow_us, 5000);
+  EXPECT_EQ(slow_ticks, std::ceil(slow_us * 1e-3 - 0.25));
+  const auto [quick_ticks, quick_us] = made(std::chrono::microseconds(0), 100);
+  EXPECT_EQ(quick_ticks, 1);
+  EXPECT_GT(quick_us, 0);
+  EXPECT_LT(quick_us, 10'000);
+  EXPECT_EQ(Bench(rest()).device.limits().force_delay_ticks, 0);  // by the simulated clock each tick has its report
+}
+
 TEST(PolhemDevice, RefusesWhatIsNoPolhem) {
   EmulatedPolhem emulated(known(), {}, rest(), kTick_s);
   EmulatedCable cable(emulated);

@@ -7,9 +7,11 @@
 // of HandDynamics, led along a path. Frame D, the device's [m, N].
 #pragma once
 
+#include <chrono>
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "servo/devices/arm_kinematics.hpp"
@@ -130,6 +132,7 @@ class EmulatedCable {
     };
   }
   bool unplugged = false;
+  std::chrono::microseconds pace{0};  // what an answer takes, by the real clock
 
  private:
   class Port final : public ReportPort {
@@ -144,6 +147,7 @@ class EmulatedCable {
     }
     bool write(const Report& report) noexcept override {
       if (cable_.unplugged) return false;
+      if (cable_.pace.count() > 0) std::this_thread::sleep_for(cable_.pace);
       cable_.waiting_.push_back(cable_.device_.answer(report));
       return true;
     }
