@@ -14,7 +14,6 @@ namespace palpate {
 namespace libraries_test {
 
 using nlohmann::json;
-using testing::HasSubstr;
 using Names = std::set<std::string>;
 
 // The modules of Palpate, and how the names of the libraries begin that each brings.

@@ -2,8 +2,9 @@
 // Recordings as bytes, back to the bit; cut and damaged ones; and a device that plays one back.
 #include "servo/devices/recording.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -50,7 +51,12 @@ Recording anyRecording(unsigned seed, int ticks) {
 
 // To the bit, signs of zeros included.
 bool same(const RecordedTick& a, const RecordedTick& b) {
-  const auto bits = [](const Vec3& u, const Vec3& v) { return std::memcmp(u.data(), v.data(), sizeof(Vec3)) == 0; };
+  const auto bits = [](const Vec3& u, const Vec3& v) {
+    const auto equal = [](double x, double y) {
+      return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+    };
+    return std::equal(u.data(), u.data() + 3, v.data(), equal);
+  };
   return a.elapsed_ticks == b.elapsed_ticks && a.answered == b.answered && a.pressed == b.pressed &&
          a.taken == b.taken && a.held_differs == b.held_differs && a.report_age_ns == b.report_age_ns &&
          bits(a.position_W, b.position_W) && bits(a.held_W, b.held_W) && bits(a.boundary.force_W, b.boundary.force_W) &&
