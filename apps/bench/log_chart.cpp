@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -297,9 +298,9 @@ ChartSvg chartSvg(const LogChart& chart) {
 
 }  // namespace
 
-void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point) {
+void addPoint(std::vector<ChartPanel>& panels, ChartPanel panel, const std::string& series, ChartPoint point) {
   auto at = std::find_if(panels.begin(), panels.end(), [&](const ChartPanel& p) { return p.title == panel.title; });
-  if (at == panels.end()) at = panels.insert(at, panel);
+  if (at == panels.end()) at = panels.insert(at, std::move(panel));
   auto line = std::find_if(at->series.begin(), at->series.end(), [&](const auto& s) { return s.name == series; });
   if (line == at->series.end()) line = at->series.insert(line, {series, {}});
   line->points.push_back(std::move(point));

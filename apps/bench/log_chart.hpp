@@ -36,7 +36,7 @@ enum class ChartMarks { kPoints, kLine };
 
 // Adds a point to the series of this name in the panel with the title of `panel`. Panel and series are added to the
 // end if they are not there yet.
-void addPoint(std::vector<ChartPanel>& panels, const ChartPanel& panel, const std::string& series, ChartPoint point);
+void addPoint(std::vector<ChartPanel>& panels, ChartPanel panel, const std::string& series, ChartPoint point);
 
 struct LogChart {
   std::string title;

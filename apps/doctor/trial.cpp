@@ -69,15 +69,20 @@ TrialFigures tryServo(Device* device, double rate_hz, double seconds,
   const double received_before = device != nullptr ? figureOf(device->figures(), "reports_received") : 0;
   std::atomic<bool> stop{false}, done{false};
   const std::int64_t begin_ns = monotonicNow_ns();
-  std::thread servo([&] {
+  std::jthread servo([&] {
     tickAlong(device, rate_hz, ticks, stop, notes);
     done = true;
   });
   const auto passed_s = [&] { return static_cast<double>(monotonicNow_ns() - begin_ns) / kNanosecondsPerSecond; };
   while (!done) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    progress(std::min(1.0, passed_s() / seconds));
     if (interrupted()) stop = true;
+    try {
+      progress(std::min(1.0, passed_s() / seconds));
+    } catch (...) {
+      stop = true;
+      throw;
+    }
   }
   servo.join();
   throwIfInterrupted("palpate doctor");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -55,9 +56,9 @@ SculptSettings settingsOf(const Json& json) {
 
 }  // namespace
 
-void SculptSettings::opened(const std::string& volume) {
+void SculptSettings::opened(std::string volume) {  // which may be one of the list
   std::erase(recent, volume);
-  recent.insert(recent.begin(), volume);
+  recent.insert(recent.begin(), std::move(volume));
   if (recent.size() > kMostRecent) recent.resize(kMostRecent);
 }
 

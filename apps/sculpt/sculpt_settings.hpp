@@ -21,7 +21,7 @@ struct SculptSettings {
   std::vector<std::string> recent = {};  // volumes, the newest first
 
   static constexpr std::size_t kMostRecent = 10;
-  void opened(const std::string& volume);  // puts it first
+  void opened(std::string volume);  // puts it first
 };
 
 // The settings of a file. What it lacks, or has out of range, is as by default. A file that is no JSON gives the

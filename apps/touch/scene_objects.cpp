@@ -154,9 +154,10 @@ SceneObjects makeSceneObjects(const std::vector<ObjectSpec>& specs) {
   SceneObjects scene;
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const bool is_mesh = specs[i].kind == ObjectKind::kMesh;
-    scene.names.push_back(is_mesh ? specs[i].file
-                                  : fmt::format("object {} ({})", i + 1, objectKindName(specs[i].kind)));
-    add(specs[i], scene.names.back(), scene);
+    const std::string name =
+        is_mesh ? specs[i].file : fmt::format("object {} ({})", i + 1, objectKindName(specs[i].kind));
+    add(specs[i], name, scene);
+    scene.names.push_back(name);
   }
   return scene;
 }

@@ -444,6 +444,7 @@ void TouchJob::feel() {
   run_.realtime = realTimeWords(scene_, result);
   if (isHeld(scene_)) run_.device = deviceOfRun(scene_.device, *device_);
   if (recorder_ != nullptr) recording_ = recorder_->recording();
+  recorder_ = nullptr;
   device_.reset();  // its threads end; it was told to exert no force
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));

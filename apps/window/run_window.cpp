@@ -91,7 +91,7 @@ void runWindow(const SculptRequest& asked) {
   };
   try {
     while (open) {
-      const std::string& volume = open->session->volume().name;
+      const std::string volume = open->session->volume().name;
       settings.opened(lasting(volume));
       host.setTitle("Palpate: " + volume);
       std::unique_ptr<OpenVolume> next = runSession(host, *open, request, journals, settings, remark);

@@ -99,6 +99,10 @@ TEST(SculptSettings, RememberTheNewestVolumesOnce) {
   EXPECT_EQ(settings.recent.front(), "10");
   EXPECT_EQ(settings.recent.size(), SculptSettings::kMostRecent);
   EXPECT_EQ(std::count(settings.recent.begin(), settings.recent.end(), "10"), 1);
+  settings.opened(settings.recent.back());  // as a click on the list does
+  EXPECT_EQ(settings.recent.front(), "5");
+  EXPECT_EQ(settings.recent[1], "10");
+  EXPECT_EQ(settings.recent.size(), SculptSettings::kMostRecent);
 }
 
 // A variable for the length of a test.
