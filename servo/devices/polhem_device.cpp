@@ -9,19 +9,23 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/monotonic_clock.hpp"
+#include "base/quantile.hpp"
 #include "base/units.hpp"
 #include "servo/devices/typical_hands.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double kFastest_m_per_s = 20;  // a hand's fastest punch is some 10
+constexpr double kFastest_m_per_s = 10;  // a hand's fastest punch
+constexpr double kLongestStep_s = 0.01;  // between two reports in a row; after a longer one it may be anywhere near
 constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
 constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
-constexpr std::uint64_t kPacedReports = 16;  // by which the pace of its reports is known
-constexpr int kPace_ms = 200;                // or what came in this time
+constexpr std::size_t kPacedReports = 16;  // by which the pace of its reports is known
+constexpr std::size_t kFewestPaced = 4;    // fewer say nothing of it
+constexpr int kPace_ms = 200;              // or what came in this time
+constexpr int kSlowest_ticks = 64;         // of a force: with more of them no contact is any good
 constexpr double kMilliamperesPerAmpere = 1e3;
 
 const PolhemParameters& checked(const PolhemParameters& p) {
@@ -93,30 +97,42 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
     else
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  if (received_ns_ != 0) {
-    if (!use_.simulated_clock) measurePace();
-    return;
+  if (received_ns_ == 0) {
+    const bool answered = link_.figures().received > 0;
+    throw Error(Error::Code::kDevice, "device Polhem",
+                answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
+                         : "it answers no report",
+                answered ? "choose the variant that its firmware is (palpate devices)"
+                         : "switch it on, and unplug other programs that use it");
   }
-  const bool answered = link_.figures().received > 0;
-  throw Error(Error::Code::kDevice, "device Polhem",
-              answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
-                       : "it answers no report",
-              answered ? "choose the variant that its firmware is (palpate devices)"
-                       : "switch it on, and unplug other programs that use it");
+  if (use_.simulated_clock) return;
+  measurePace();
+  if (!(report_period_s_ * use_.rate_hz <= kSlowest_ticks)) {
+    throw Error(Error::Code::kDevice, "device Polhem",
+                formatted("a report takes it {} ms, which is {} ticks of the servo",
+                          std::lround(1e3 * report_period_s_), std::lround(report_period_s_ * use_.rate_hz)),
+                "lower --rate, and see with 'palpate doctor' what slows it");
+  }
 }
 
-// The device sets the pace of an exchange, and the bus adds to it: each may be slower than the servo.
+// The device sets the pace of an exchange, and the bus adds to it: each may be slower than the servo. The middle of
+// many: an answer that is lost, or a thread that begins late, is not the pace.
 void PolhemDevice::measurePace() {
-  const std::uint64_t first = seen_;
-  const std::int64_t first_ns = received_ns_;
-  const std::int64_t end_ns = monotonicNow_ns() + std::llround(kPace_ms * kNanosecondsPerMillisecond);
-  while (seen_ < first + kPacedReports && monotonicNow_ns() < end_ns) {
+  const std::int64_t begin_ns = monotonicNow_ns();
+  const std::int64_t end_ns = begin_ns + std::llround(kPace_ms * kNanosecondsPerMillisecond);
+  std::vector<double> periods_s;
+  while (periods_s.size() < kPacedReports && monotonicNow_ns() < end_ns) {
+    const std::uint64_t seen = seen_;
+    const std::int64_t last_ns = received_ns_;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     take(link_.newest());
+    if (received_ns_ == last_ns) continue;  // nothing, or nothing that counts
+    const double time_s = static_cast<double>(received_ns_ - last_ns) / kNanosecondsPerSecond;
+    periods_s.push_back(time_s / static_cast<double>(seen_ - seen));
   }
-  if (seen_ == first) return;
-  report_period_s_ =
-      static_cast<double>(received_ns_ - first_ns) / kNanosecondsPerSecond / static_cast<double>(seen_ - first);
+  const double time_s = static_cast<double>(monotonicNow_ns() - begin_ns) / kNanosecondsPerSecond;
+  report_period_s_ = periods_s.size() < kFewestPaced ? time_s / static_cast<double>(periods_s.size() + 1)
+                                                     : median(std::move(periods_s));
 }
 
 // A force waits for the next report at most, so for one report's time. A quarter of a tick is what threads wake late.
@@ -145,8 +161,13 @@ std::vector<HandParameters> PolhemDevice::hands() const {
   return hands;
 }
 
+// One that has just come back is there once it has told where it is: until then nothing of what is known of it holds.
+bool PolhemDevice::isThere() const noexcept {
+  return link_.connected() && link_.connection() == connection_.load(std::memory_order_relaxed);
+}
+
 ForceOff PolhemDevice::forceOff() const noexcept {
-  if (!link_.connected()) return ForceOff::kDisconnected;
+  if (!isThere()) return ForceOff::kDisconnected;
   if (!(parameters_.force_limit_N > 0)) return ForceOff::kLimitZero;
   if (!(parameters_.current_limit_A > 0)) return ForceOff::kNoCurrentLimit;
   return calibrated_.load(std::memory_order_relaxed) ? ForceOff::kNone : ForceOff::kUncalibrated;
@@ -177,6 +198,7 @@ void PolhemDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     link_.exchange();
     ++silent_ticks_;
+    ++unheard_ticks_;
     take(link_.newest());
   }
 }
@@ -204,51 +226,72 @@ void PolhemDevice::countOn(const PolhemCounts& raw) noexcept {
   leaps_ = 0;
 }
 
+// How far a hand can have moved the handle since the last report, of which `reports` is the number ago. Where the servo
+// left out some, the time between is known in full; where none came, the handle is believed to be near.
+double PolhemDevice::longestWay_m(const Received& received, std::uint64_t reports) const noexcept {
+  const double time_s = use_.simulated_clock
+                            ? unheard_ticks_ / use_.rate_hz
+                            : static_cast<double>(received.time_ns - heard_ns_) / kNanosecondsPerSecond;
+  const double longest_s = kLongestStep_s * static_cast<double>(reports);
+  return kFastest_m_per_s * std::max(std::min(time_s, longest_s), 1 / use_.rate_hz);
+}
+
 void PolhemDevice::take(const Received& received) noexcept {
   if (received.number == seen_) return;
+  const std::uint64_t reports = received.number - seen_;
   seen_ = received.number;
   const auto state = parsePolhem(received.report.content(), static_cast<std::size_t>(parameters_.report_bytes));
   if (!state) return countOne(garbage_);
+  requests_ = received.requests;
+  const bool is_new = connection_.load(std::memory_order_relaxed) != received.connection;
+  if (is_new) {
+    if (received.connection > 1) calibrated_.store(false, std::memory_order_relaxed);  // it was away
+    calibrating_ = false;
+    countFrom(state->counts);
+  }
   if (state->asks_for_calibration && (!calibrating_ || ++asked_reports_ > kAskAgain)) calibrate();
-  if (calibrating_ && !state->asks_for_calibration && isHome(state->counts)) {
+  const double longest_m = longestWay_m(received, reports);
+  heard_ns_ = received.time_ns;
+  unheard_ticks_ = 0;
+  const bool was_told = calibrating_ && received.requests >= request_;
+  if (was_told && !state->asks_for_calibration && isHome(state->counts)) {
     calibrating_ = false;
     calibrated_.store(true, std::memory_order_relaxed);
     countOne(calibrations_);
     countFrom(state->counts);
-  } else if (connection_ != received.connection) {
-    if (connection_ != 0) calibrated_.store(false, std::memory_order_relaxed);
-    countFrom(state->counts);
-  } else {
-    const ArmCounts before = counts_;
-    const PolhemCounts raw_before = raw_;
-    const int leaps = leaps_;
-    countOn(state->counts);
-    const double way_m = (arm_.position(arm_.angles(counts_)) - position_A_).norm();
-    const double time_s = use_.simulated_clock
-                              ? silent_ticks_ / use_.rate_hz
-                              : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
-    if (!(way_m <= kFastest_m_per_s * std::max(time_s, 1 / use_.rate_hz))) {
-      countOne(implausible_);
-      if (leaps + 1 < kMostLeaps) {
-        counts_ = before;
-        raw_ = raw_before;
-        leaps_ = leaps + 1;
-        return;
-      }
-      calibrated_.store(false, std::memory_order_relaxed);
-      countFrom(state->counts);
-    }
+  } else if (!is_new && !follows(state->counts, longest_m)) {
+    return;
   }
-  connection_ = received.connection;
+  connection_.store(received.connection, std::memory_order_relaxed);
   received_ns_ = received.time_ns;
   silent_ticks_ = 0;
+  pressed_ = state->pressed;
   angles_ = arm_.angles(counts_);
   position_A_ = arm_.position(angles_);
 }
 
+// Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed.
+bool PolhemDevice::follows(const PolhemCounts& raw, double longest_m) noexcept {
+  const ArmCounts before = counts_;
+  const PolhemCounts raw_before = raw_;
+  const int leaps = leaps_;
+  countOn(raw);
+  if ((arm_.position(arm_.angles(counts_)) - position_A_).norm() <= longest_m) return true;
+  countOne(implausible_);
+  if (leaps + 1 < kMostLeaps) {
+    counts_ = before;
+    raw_ = raw_before;
+    leaps_ = leaps + 1;
+    return false;
+  }
+  calibrated_.store(false, std::memory_order_relaxed);
+  countFrom(raw);
+  return true;
+}
+
 bool PolhemDevice::read(Vec3& position_D) noexcept {
   if (!use_.simulated_clock) take(link_.newest());
-  if (!link_.connected()) return false;
+  if (!isThere()) return false;
   position_D = fromArm(position_A_);
   return true;
 }
@@ -295,6 +338,7 @@ Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
 
 void PolhemDevice::calibrate() noexcept {
   calibrating_ = true;
+  request_ = requests_ + 1;
   asked_reports_ = 0;
   calibrated_.store(false, std::memory_order_relaxed);
   link_.askOnce();

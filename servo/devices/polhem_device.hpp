@@ -10,6 +10,8 @@
 // it. So forces stay off until the limit is given.
 //   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
 // counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
+// What counts as an answer to a calibration came after the device was told, over the same connection.
+//   A force waits for the next report, so the pace of the reports, measured when the device is opened, is its delay.
 // Frame D, the device's: x to the right, y up, z towards the user, 0 in the middle of the workspace [m, N].
 // placed_device.hpp puts it into the world. Threads as in
 // device.hpp. By the simulated clock elapse() exchanges reports itself and so waits for the device.
@@ -53,7 +55,7 @@ struct PolhemUse {
 class PolhemDevice final : public Device {
  public:
   // Waits for the first report and, by the real clock, for the pace of the next ones, 0.2 s at most. Throws Error: as
-  // `open` does; kDevice if no report comes, or none that is a Polhem's.
+  // `open` does; kDevice if no report comes, or none that is a Polhem's, or if they come too slowly for this rate.
   PolhemDevice(const PolhemParameters& parameters, const PolhemUse& use, PortOpener open);
 
   [[nodiscard]] std::string_view name() const noexcept override { return "Polhem"; }
@@ -64,6 +66,7 @@ class PolhemDevice final : public Device {
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_D) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
+  [[nodiscard]] bool pressed() const noexcept override { return pressed_; }
   [[nodiscard]] bool write(const Vec3& force_D) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_D) const noexcept override;
 
@@ -74,8 +77,11 @@ class PolhemDevice final : public Device {
   void take(const Received& received) noexcept;
   void measurePace();
   [[nodiscard]] int delayTicks() const noexcept;
+  [[nodiscard]] bool follows(const PolhemCounts& raw, double longest_m) noexcept;
   void countFrom(const PolhemCounts& raw) noexcept;
   void countOn(const PolhemCounts& raw) noexcept;
+  [[nodiscard]] bool isThere() const noexcept;
+  [[nodiscard]] double longestWay_m(const Received& received, std::uint64_t reports) const noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
 
@@ -83,10 +89,15 @@ class PolhemDevice final : public Device {
   PolhemUse use_;
   ArmKinematics arm_;
   ReportLink link_;
-  std::uint64_t seen_ = 0, connection_ = 0;
-  std::int64_t received_ns_ = 0;  // when the last report that counted came
-  double report_period_s_ = 0;    // measured at the start; 0: by the simulated clock, or nothing came [s]
-  int silent_ticks_ = 0;          // simulated clock: since then
+  std::uint64_t seen_ = 0;
+  std::atomic<std::uint64_t> connection_{0};  // of the last report that counted
+  std::uint64_t requests_ = 0, request_ = 0;  // that were heard of last; that a calibration waits for
+  std::int64_t received_ns_ = 0;              // when the last report that counted came
+  std::int64_t heard_ns_ = 0;                 // likewise, of those that did not count, too
+  double report_period_s_ = 0;                // measured at the start; 0: by the simulated clock, or nothing came [s]
+  int silent_ticks_ = 0;                      // simulated clock: since the last report that counted
+  int unheard_ticks_ = 0;                     // simulated clock: since the last report
+  bool pressed_ = false;                      // the handle's switch
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)

@@ -15,7 +15,8 @@ namespace palpate {
 namespace {
 
 std::span<const DeviceEntry> entries() noexcept {
-  static const std::array kEntries = {simulatedEntry(), mouseEntry(), recordedEntry(), polhemEntry(), spaceMouseEntry()};
+  static const std::array kEntries = {simulatedEntry(), mouseEntry(), recordedEntry(), polhemEntry(),
+                                      spaceMouseEntry()};
   return kEntries;
 }
 

@@ -70,6 +70,7 @@ bool ReportLink::reopen() noexcept {
     return false;
   }
   ++last_.connection;
+  connection_.store(last_.connection, std::memory_order_release);
   count(reconnects_);
   connected_.store(true, std::memory_order_release);
   return true;
@@ -104,6 +105,7 @@ bool ReportLink::write(const Report& report) noexcept {
   const bool taken = port_->write(report);
   writes_.add(monotonicNow_ns() - begin_ns);
   count(taken ? written_ : refused_);
+  if (taken && &report == &settings_.on_request) ++last_.requests;
   return taken;
 }
 

@@ -49,6 +49,7 @@ struct Received {
   std::int64_t time_ns = 0;      // when it came
   std::uint64_t number = 0;      // of the report, from 1 on; 0: none has come
   std::uint64_t connection = 0;  // from 1 on
+  std::uint64_t requests = 0;    // `on_request` reports that the device had taken before it came
 };
 
 // What became of the reports.
@@ -77,6 +78,8 @@ class ReportLink {
 
   [[nodiscard]] const Received& newest() noexcept { return received_.latest(); }
   [[nodiscard]] bool connected() const noexcept { return connected_.load(std::memory_order_acquire); }
+  // The number of the newest connection, which may be over. Any thread.
+  [[nodiscard]] std::uint64_t connection() const noexcept { return connection_.load(std::memory_order_acquire); }
   void post(const Report& command, std::int64_t now_ns) noexcept;
   void askOnce() noexcept { asked_.store(true, std::memory_order_release); }
   [[nodiscard]] LinkFigures figures() const noexcept;
@@ -109,6 +112,7 @@ class ReportLink {
   TripleBuffer<Received> received_;
   TripleBuffer<Command> commands_;
   std::atomic<bool> connected_{false}, asked_{false};
+  std::atomic<std::uint64_t> connection_{1};
   Received last_;
   std::int64_t lost_at_ns_ = std::numeric_limits<std::int64_t>::min();  // when the device went away last
   Counter written_{0}, lost_{0}, superseded_{0}, refused_{0}, rests_{0}, disconnects_{0}, reconnects_{0}, taken_{0};

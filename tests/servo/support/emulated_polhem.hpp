@@ -10,8 +10,11 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "servo/devices/arm_kinematics.hpp"
@@ -43,6 +46,7 @@ class EmulatedPolhem {
     const ArmCounts now = trueCounts();
     for (std::size_t k = 0; k < 3; ++k) offset_[k] = -now[k];
     currents_A_.setZero();
+    asks_ = nears_home_ = false;
   }
   void pressCalibration() { asks_ = true; }
   // The same where the handle is near its home position: it counts as if it had been exactly there before.
@@ -127,12 +131,17 @@ class EmulatedCable {
   [[nodiscard]] PortOpener opener() {
     return [this]() -> std::unique_ptr<ReportPort> {
       if (unplugged) throw std::runtime_error("not there");
-      waiting_ = {device_.state()};
+      waiting_.clear();
+      if (says_itself) waiting_ = {device_.state()};
       return std::make_unique<Port>(*this);
     };
   }
   bool unplugged = false;
+  bool refuses = false;               // the next write, and then the cable is pulled
+  bool says_itself = true;            // the device sends a report when it is opened
   std::chrono::microseconds pace{0};  // what an answer takes, by the real clock
+  // What the cable makes of an answer; empty: nothing. No report: the answer is lost.
+  std::function<std::optional<Report>(Report)> spoil = {};
 
  private:
   class Port final : public ReportPort {
@@ -146,9 +155,15 @@ class EmulatedCable {
       return PortRead::kReport;
     }
     bool write(const Report& report) noexcept override {
+      if (std::exchange(cable_.refuses, false)) {
+        cable_.unplugged = true;
+        return false;
+      }
       if (cable_.unplugged) return false;
       if (cable_.pace.count() > 0) std::this_thread::sleep_for(cable_.pace);
-      cable_.waiting_.push_back(cable_.device_.answer(report));
+      const Report answer = cable_.device_.answer(report);
+      const std::optional<Report> sent = cable_.spoil ? cable_.spoil(answer) : answer;
+      if (sent) cable_.waiting_.push_back(*sent);
       return true;
     }
 
