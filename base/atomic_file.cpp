@@ -50,6 +50,13 @@ fs::path throughLinks(fs::path name) {
   return name;
 }
 
+// A stream of a process, as /dev/stdout: it leads to a file that others write to.
+bool isStream(const fs::path& name) {
+  const std::string text = name.string();
+  const bool of_process = text.starts_with("/proc/") && text.find("/fd/") != std::string::npos;
+  return of_process || text.starts_with("/dev/fd/") || text == "/dev/stdout" || text == "/dev/stderr";
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(fs::path target) : name_(std::move(target)) {
@@ -59,6 +66,10 @@ AtomicFile::AtomicFile(fs::path target) : name_(std::move(target)) {
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw Error(Error::Code::kIo, name_.string(), "it is not a plain file and will not be replaced",
                 "write to another name");
+  }
+  if (isStream(name_)) {
+    throw Error(Error::Code::kIo, name_.string(), "it is a program's stream, whose file will not be replaced",
+                "write to a file, and print that");
   }
   target_ = throughLinks(name_);
   PartFile part = openPartFile(target_);

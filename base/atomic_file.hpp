@@ -23,8 +23,8 @@ namespace palpate {
 
 class AtomicFile {
  public:
-  // Refuses (Error kIo): a folder that is missing or may not be written; a target that is there but is no plain file;
-  // links that go round in a circle.
+  // Refuses (Error kIo): a folder that is missing or may not be written; a target that is there but is no plain file,
+  // or is a stream (/dev/stdout); links that go round in a circle.
   explicit AtomicFile(std::filesystem::path target);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

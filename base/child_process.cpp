@@ -19,6 +19,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/descriptor.hpp"
+
 namespace palpate {
 namespace {
 
@@ -222,22 +224,6 @@ ChildTrouble troubleOfEnd(int status, const std::string& input) {
               why == EMFILE || why == ENFILE ? "raise the limit of open files (ulimit -n)"
                                              : "end other programs, or raise the limit of processes (ulimit -u)");
 }
-
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  void close() {
-    if (number_ >= 0) ::close(number_);
-    number_ = -1;
-  }
-  [[nodiscard]] int get() const { return number_; }
-
- private:
-  int number_;
-};
 
 // Kills and awaits the child on every way out, so that no zombie is left.
 class Child {

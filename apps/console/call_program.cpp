@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "apps/console/interrupt.hpp"
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 #include "base/leftover.hpp"
 
@@ -27,21 +28,6 @@ namespace {
   throw Error(Error::Code::kIo, "palpate", fmt::format("no process can be started ({})", std::strerror(failure)),
               "end other programs, or raise the limit of processes (ulimit -u)");
 }
-
-// Closes a descriptor at the end of a scope.
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
 
 // Its end, as waitpid() tells it. A request to stop is handed on, once: one from the terminal has reached it already,
 // and it takes the two for one.
@@ -55,7 +41,7 @@ int waitFor(pid_t child) {
     if (ended == child || (ended < 0 && errno != EINTR)) return status;
     if (interrupted() && !told) kill(child, SIGTERM);
     told = interrupted();
-    pollfd end{.fd = watch.number(), .events = POLLIN, .revents = 0};
+    pollfd end{.fd = watch.get(), .events = POLLIN, .revents = 0};
     static_cast<void>(poll(&end, 1, kLook_ms));
   }
 }
@@ -80,11 +66,11 @@ ProgramEnd callProgram(const ProgramCall& call) {
   for (std::string& word : all) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const Descriptor kept(call.shows_messages ? -1 : memfd_create("messages", MFD_CLOEXEC));
-  if (!call.shows_messages && kept.number() < 0) refuseProcess(errno);
+  if (!call.shows_messages && kept.get() < 0) refuseProcess(errno);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  if (!call.shows_messages) posix_spawn_file_actions_adddup2(&actions, kept.number(), STDERR_FILENO);
+  if (!call.shows_messages) posix_spawn_file_actions_adddup2(&actions, kept.get(), STDERR_FILENO);
   pid_t child = -1;
   int failure = 0;
   Leftover leftover = Leftover::process([&] {
@@ -96,7 +82,7 @@ ProgramEnd callProgram(const ProgramCall& call) {
   ProgramEnd end = endOf(waitFor(child), call.shows_messages);
   leftover.release();
   if (!call.shows_messages) {
-    std::ifstream file("/proc/self/fd/" + std::to_string(kept.number()), std::ios::binary);
+    std::ifstream file("/proc/self/fd/" + std::to_string(kept.get()), std::ios::binary);
     end.messages.assign(std::istreambuf_iterator<char>(file), {});
   }
   return end;

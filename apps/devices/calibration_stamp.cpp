@@ -27,25 +27,28 @@ fs::path stampFile(const std::string& device_path) {
 }
 
 // Empty: there is no such file.
-std::string identityOf(const std::string& device_path) {
+std::string identityOf(const CalibratedAs& device) {
   struct stat facts = {};
-  if (stat(device_path.c_str(), &facts) != 0) return {};
-  return fmt::format("{} {} {}.{:09}\n", device_path, facts.st_ino, facts.st_ctim.tv_sec, facts.st_ctim.tv_nsec);
+  if (stat(device.path.c_str(), &facts) != 0) return {};
+  std::string identity = fmt::format("{} {} {}.{:09}\n{}\n", device.path, facts.st_ino, facts.st_ctim.tv_sec,
+                                     facts.st_ctim.tv_nsec, device.kind);
+  for (const auto& [key, value] : device.values) identity += fmt::format("{} = {}\n", key, value);
+  return identity;
 }
 
 }  // namespace
 
-bool isStampedCalibrated(const std::string& device_path) {
-  const std::string identity = identityOf(device_path);
-  const fs::path file = stampFile(device_path);
+bool isStampedCalibrated(const CalibratedAs& device) {
+  const std::string identity = identityOf(device);
+  const fs::path file = stampFile(device.path);
   if (identity.empty() || file.empty()) return false;
   std::ifstream stream(file, std::ios::binary);
   return std::string(std::istreambuf_iterator<char>(stream), {}) == identity;
 }
 
-bool stampCalibrated(const std::string& device_path) {
-  const std::string identity = identityOf(device_path);
-  const fs::path file = stampFile(device_path);
+bool stampCalibrated(const CalibratedAs& device) {
+  const std::string identity = identityOf(device);
+  const fs::path file = stampFile(device.path);
   if (identity.empty() || file.empty()) return false;
   std::error_code ignored;
   fs::create_directories(file.parent_path(), ignored);
@@ -55,6 +58,11 @@ bool stampCalibrated(const std::string& device_path) {
     return false;
   }
   return true;
+}
+
+void forgetCalibration(const std::string& path) noexcept {
+  std::error_code ignored;
+  fs::remove(stampFile(path), ignored);
 }
 
 }  // namespace palpate

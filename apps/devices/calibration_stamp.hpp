@@ -3,16 +3,26 @@
 //
 // A device that counts from where it was switched on cannot say whether somebody told it where that is. A stamp in the
 // user's runtime folder says so. It names the device's file in /dev with its inode and the time of its making: a device
-// that was unplugged has another file, even of the same name. Any thread. A system without a runtime folder keeps no
-// stamps.
+// that was unplugged has another file, even of the same name. It also says as what it was calibrated: another kind
+// counts from another home. Any thread. A system without a runtime folder keeps no stamps.
 #pragma once
 
 #include <string>
 
+#include "servo/devices/registry.hpp"
+
 namespace palpate {
 
-[[nodiscard]] bool isStampedCalibrated(const std::string& device_path);
+// The device at `path`, driven as this kind with these values.
+struct CalibratedAs {
+  std::string path, kind;
+  DeviceValues values = {};
+};
+
+[[nodiscard]] bool isStampedCalibrated(const CalibratedAs& device);
 // False: it could not be kept, and the device must be calibrated again in the next run.
-bool stampCalibrated(const std::string& device_path);
+bool stampCalibrated(const CalibratedAs& device);
+// It has lost its calibration.
+void forgetCalibration(const std::string& path) noexcept;
 
 }  // namespace palpate

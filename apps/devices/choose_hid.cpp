@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "apps/devices/hid_lock.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -83,18 +84,19 @@ HidChoice chooseHid(const DeviceKind& kind, const std::string& path, HidBackEnd 
   const std::vector<HidInfo> all = listHid(back_end);
   HidChoice choice;
   choice.device = chooseHid(kind, all, path);
+  choice.kind = kind.name;
   choice.values = kind.values;
   for (const auto& [key, value] : kind.idOf(choice.device.vendor, choice.device.product)->values)
     choice.values[key] = value;
   choice.open = [kind, back_end, first = choice.device, opened = false]() mutable {
     if (!opened) {
-      std::unique_ptr<ReportPort> port = openHid(first.path, back_end);
+      std::unique_ptr<ReportPort> port = openHidAlone(first.path, back_end);
       opened = true;
       return port;
     }
     std::vector<HidInfo> now = listHid(back_end);
     if (!first.serial.empty()) std::erase_if(now, [&](const HidInfo& device) { return device.serial != first.serial; });
-    return openHid(chooseHid(kind, now, "").path, back_end);
+    return openHidAlone(chooseHid(kind, now, "").path, back_end);
   };
   return choice;
 }

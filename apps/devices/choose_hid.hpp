@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/device_table.hpp"
 #include "servo/hid/hid.hpp"
 
@@ -27,8 +28,10 @@ enum class Fit {
 struct HidChoice {
   HidInfo device;
   DeviceValues values;  // of the kind, and of these USB numbers
-  // Opens the device; again after it was unplugged, wherever it is plugged in then. It knows it by its serial number,
-  // if it has one, else by its kind.
+  [[nodiscard]] CalibratedAs asCalibrated() const { return {.path = device.path, .kind = kind, .values = values}; }
+  std::string kind;  // its name
+  // Opens the device for this program alone (hid_lock.hpp); again after it was unplugged, wherever it is plugged in
+  // then. It knows it by its serial number, if it has one, else by its kind.
   PortOpener open;
 };
 [[nodiscard]] HidChoice chooseHid(const DeviceKind& kind, const std::string& path, HidBackEnd back_end);

@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -14,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/nearest_word.hpp"
+#include "base/whole_file.hpp"
 
 namespace palpate {
 namespace {
@@ -60,6 +60,7 @@ class KindReader {
     if (const toml::node* usage = table_.get("usage")) kind_.usage = pairOf(*usage, "usage", "ffab:0200");
     if (const toml::node* values = table_.get("values")) readValues(*values, kind_.values, {});
     readUsb();
+    checkTogether();
     return std::move(kind_);
   }
 
@@ -73,6 +74,9 @@ class KindReader {
     const auto value = node.value<std::string>();
     if (!value || value->empty())
       refuse(placeOf(node, file_), fmt::format("'{}' is no text", key), "give it in quotes");
+    const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+    if (std::ranges::any_of(*value, is_control))
+      refuse(placeOf(node, file_), fmt::format("'{}' has a control character", key), "give printable text of one line");
     return *value;
   }
   std::pair<std::uint16_t, std::uint16_t> pairOf(const toml::node& node, const char* what, const char* example) const {
@@ -115,12 +119,31 @@ class KindReader {
         refuse(placeOf(value, file_), fmt::format("family {} has no value '{}'", kind_.family, word),
                withDidYouMean(word, keys, fmt::format("it has {}", listed(keys))));
       }
-      const auto number = value.value<double>();
-      if (!number || !(*number >= known->lowest && *number <= known->highest)) {
+      const auto number = value.is_number() ? value.value<double>() : std::nullopt;
+      if (!number) {
+        refuse(placeOf(value, file_), fmt::format("'{}' is no number", word),
+               fmt::format("give {:g} to {:g} {}", known->lowest, known->highest, known->unit));
+      }
+      if (!(*number >= known->lowest && *number <= known->highest)) {
         refuse(placeOf(value, file_), fmt::format("'{}' is out of range", word),
                fmt::format("give {:g} to {:g} {}", known->lowest, known->highest, known->unit));
       }
+      if (known->is_whole && *number != std::round(*number))
+        refuse(placeOf(value, file_), fmt::format("'{}' is no whole number", word), "give one");
       values[word] = *number;
+    }
+  }
+
+  // What each value allows alone may not go together.
+  void checkTogether() const {
+    for (const UsbId& usb : kind_.usb) {
+      DeviceValues values = kind_.values;
+      for (const auto& [key, value] : usb.values) values[key] = value;
+      try {
+        if (family_->check != nullptr) family_->check(values);
+      } catch (const Error& error) {
+        refuse(placeOf(table_, file_), fmt::format("{}: {}", error.input(), error.reason()), error.remedy());
+      }
     }
   }
 
@@ -167,9 +190,8 @@ std::vector<fs::path> tomlFiles(const fs::path& folder) {
 }
 
 std::vector<DeviceKind> kindsOfFile(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error(Error::Code::kNotFound, file.string(), "it cannot be opened", "check its permissions");
-  return readDeviceKinds(std::string(std::istreambuf_iterator<char>(stream), {}), file.string());
+  constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20U;
+  return readDeviceKinds(wholeFile(file, "the table of devices", kMostBytes), file.string());
 }
 
 struct Known {

@@ -35,6 +35,10 @@ bool exertsForces(const DeviceKind& kind) {
   return false;
 }
 
+constexpr const char* kHowToRealTime =
+    "put '@audio - rtprio 95' and '@audio - memlock unlimited' into /etc/security/limits.d/palpate.conf, add yourself "
+    "to the group (sudo usermod -aG audio $USER) and log in again";
+
 std::string describe(const HidInfo& device) {
   return fmt::format("{} \"{}\" at {}", usbText(device.vendor, device.product), device.name, device.path);
 }
@@ -86,17 +90,23 @@ class Doctor {
       const bool forbidden = !found.kinds.empty() && !found.may_use;
       find(forbidden ? State::kBad : State::kNote, "HID",
            fmt::format("{}: {}{}", describe(found.device), can_be, forbidden ? ", and you may not use it" : ""),
-           forbidden ? rightsRemedy() : "");
+           forbidden ? rightsRemedy(found) : "");
     }
     for (const std::string& complaint : deviceKindComplaints()) find(State::kNote, "device tables", complaint);
   }
 
-  [[nodiscard]] std::string rightsRemedy() const {
-    const std::string rules = udevRules(knownDeviceKinds());
-    if (hasUdevRules(kUdevRulesFile, rules))
-      return fmt::format("the rules of {} are there: plug the device in again, or log in at the machine itself",
+  // The rule that is missing, and the command that installs it. Rules for a kind of the user's own are known to the
+  // user's programs alone.
+  [[nodiscard]] static std::string rightsRemedy(const FoundHid& found) {
+    const std::string rule = udevRule(found.device.vendor, found.device.product);
+    if (hasUdevRule(kUdevRulesFile, rule))
+      return fmt::format("its rule in {} is there: plug the device in again, or log in at the machine itself",
                          kUdevRulesFile);
-    return "sudo palpate doctor --install-udev, and plug the device in again";
+    const bool is_own =
+        std::ranges::all_of(found.kinds, [](const std::string& name) { return !deviceKindNamed(name)->file.empty(); });
+    const std::string command = is_own ? fmt::format("palpate doctor --udev-rules | sudo tee {}", kUdevRulesFile)
+                                       : "sudo palpate doctor --install-udev";
+    return fmt::format("{}, and plug the device in again (its rule: {})", command, rule.substr(0, rule.find('\n')));
   }
 
   // What is asked for, or the only thing that is here.
@@ -105,8 +115,13 @@ class Doctor {
       kind_ = deviceKindNamed(request_.device);
       return;
     }
-    const auto usable =
-        std::ranges::find_if(diagnosis_.hid, [](const FoundHid& found) { return !found.kinds.empty(); });
+    // One with forces, if there is one.
+    const auto felt = [](const FoundHid& found) {
+      return !found.kinds.empty() && exertsForces(*deviceKindNamed(found.kinds.front()));
+    };
+    auto usable = std::ranges::find_if(diagnosis_.hid, felt);
+    if (usable == diagnosis_.hid.end())
+      usable = std::ranges::find_if(diagnosis_.hid, [](const FoundHid& found) { return !found.kinds.empty(); });
     if (usable == diagnosis_.hid.end()) return;
     kind_ = deviceKindNamed(usable->kinds.front());
     if (usable->kinds.size() == 1) return;
@@ -118,10 +133,12 @@ class Doctor {
     diagnosis_.device = kind_->name;
     try {
       HidChoice choice = chooseHid(*kind_, request_.device_path, backEnd());
+      tried_path_ = choice.device.path;
+      const bool calibrated = request_.calibrated || isStampedCalibrated(choice.asCalibrated());
       DeviceSetup setup{.rate_hz = request_.rate_hz,
                         .values = std::move(choice.values),
                         .open = std::move(choice.open),
-                        .calibrated = request_.calibrated || isStampedCalibrated(choice.device.path)};
+                        .calibrated = calibrated};
       if (request_.current_limit_A) setup.values["current_limit_A"] = *request_.current_limit_A;
       device_ = makeDevice(kind_->family, setup);
       find(State::kGood, "device", fmt::format("{} answers: {}", kind_->name, describe(choice.device)));
@@ -132,26 +149,27 @@ class Doctor {
   }
 
   void lookAtLimits() {
-    rlimit priority{}, memory{};
-    getrlimit(RLIMIT_RTPRIO, &priority);
+    rlimit memory{};
     getrlimit(RLIMIT_MEMLOCK, &memory);
     const bool root = geteuid() == 0;
-    constexpr const char* kHow =
-        "put '@audio - rtprio 95' and '@audio - memlock unlimited' into /etc/security/limits.d/palpate.conf, add "
-        "yourself "
-        "to the group (sudo usermod -aG audio $USER) and log in again";
-    if (root || priority.rlim_cur >= 80) {
-      find(State::kGood, "real time", "the servo may have real-time priority");
-    } else {
-      find(State::kNote, "real time",
-           fmt::format("the servo gets no real-time priority (rtprio {}), so ticks will be late", priority.rlim_cur),
-           kHow);
-    }
     constexpr rlim_t kEnough = 1ULL << 30;
     if (root || memory.rlim_cur >= kEnough) return;
     find(State::kNote, "real time",
          fmt::format("only {} KiB of memory may be locked, so a tick may wait for the disk", memory.rlim_cur / 1024),
-         kHow);
+         kHowToRealTime);
+  }
+
+  // What the system gave the trial's thread, whatever the limits say: a container may take from root what root has.
+  void tellRealTime(const TrialFigures& trial) {
+    if (trial.fifo) return find(State::kGood, "real time", "the servo gets real-time priority");
+    rlimit priority{};
+    getrlimit(RLIMIT_RTPRIO, &priority);
+    const bool allowed = geteuid() == 0 || priority.rlim_cur >= 80;
+    find(State::kNote, "real time",
+         allowed ? std::string("the system refuses the servo real-time priority, which this user may have")
+                 : fmt::format("the servo gets no real-time priority (rtprio {}), so ticks will be late",
+                               priority.rlim_cur),
+         allowed ? "give the container or unit the right to it (CAP_SYS_NICE)" : kHowToRealTime);
   }
 
   void lookAtVulkan() {
@@ -176,6 +194,7 @@ class Doctor {
     const TrialFigures trial =
         tryServo(device_.get(), request_.rate_hz, request_.trial_s, [&](double share) { progress_.fraction(share); });
     diagnosis_.trial = trial;
+    tellRealTime(trial);
     const double period_us = 1e6 / request_.rate_hz;
     const bool late = trial.late_p99_us > kLateShare * period_us;
     find(late ? State::kNote : State::kGood, "servo",
@@ -189,6 +208,11 @@ class Doctor {
       const auto at = std::ranges::find(trial.figures, key, &DeviceFigure::key);
       return at == trial.figures.end() ? 0.0 : at->value;
     };
+    if (exertsForces(*kind_) && !(trial.reports_per_s > 0)) {
+      silent_ = true;
+      return find(State::kBad, "device", "it answered when it was opened, and nothing since",
+                  "switch it off and on, and see that no other program uses it");
+    }
     const double bad = figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible");
     find(bad > 0.01 * figure("reports_received") ? State::kNote : State::kGood, "device",
          fmt::format(
@@ -211,7 +235,17 @@ class Doctor {
   void conclude() {
     const auto no_vulkan = std::ranges::find_if(
         diagnosis_.findings, [](const Finding& f) { return f.topic == "Vulkan" && f.state == State::kBad; });
+    const auto tried = std::ranges::find(diagnosis_.hid, tried_path_, [](const FoundHid& f) { return f.device.path; });
+    const bool forbidden = tried != diagnosis_.hid.end() && !tried->may_use;
+    if (trouble_ && forbidden)
+      return off(fmt::format("you have no right to use {}", tried_path_), rightsRemedy(*tried));
     if (trouble_) return off(fmt::format("{}: {}", trouble_->input(), trouble_->reason()), trouble_->remedy());
+    if (!deviceKindComplaints().empty() && kind_ != nullptr)
+      return off("a table of devices cannot be read, which may be about it", deviceKindComplaints().front());
+    if (kind_ == nullptr && !request_.device.empty()) {
+      return off(fmt::format("nobody holds the device '{}'", request_.device),
+                 "choose a real one with --device, or leave it out; 'palpate devices' lists them");
+    }
     if (kind_ == nullptr) {
       return off("no haptic device is here",
                  "plug one in; without one 'palpate touch phantom:sphere' feels with a simulated hand");
@@ -222,6 +256,7 @@ class Doctor {
       return off(fmt::format("its USB numbers do not say which arm it is ({})", fmt::join(ambiguous_, ", ")),
                  fmt::format("say it, as --device {}", ambiguous_.front()));
     }
+    if (silent_) return off("the device does not answer any more", "switch it off and on, and try again");
     const ForceOff why = device_->forceOff();
     if (why != ForceOff::kNone) return off(std::string(wordsOf(why).reason), std::string(wordsOf(why).remedy));
     if (no_vulkan != diagnosis_.findings.end()) return off(no_vulkan->text, no_vulkan->remedy);
@@ -234,6 +269,8 @@ class Doctor {
   Diagnosis diagnosis_;
   const DeviceKind* kind_ = nullptr;
   std::vector<std::string> ambiguous_;
+  std::string tried_path_;
+  bool silent_ = false;
   std::unique_ptr<Device> device_;
   std::optional<Error> trouble_;
 };

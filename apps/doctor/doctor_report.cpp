@@ -24,7 +24,7 @@ const char* wordOf(Finding::State state) {
   return "?";
 }
 
-Json trialJson(const TrialFigures& trial) {
+Json trialJson(const TrialFigures& trial, bool has_device) {
   Json figures = Json::object();
   for (const DeviceFigure& figure : trial.figures) figures[std::string(figure.key)] = figure.value;
   return {{"rate_hz", trial.rate_hz},
@@ -38,7 +38,7 @@ Json trialJson(const TrialFigures& trial) {
           {"reports_per_s", trial.reports_per_s},
           {"failed_share", trial.failed_share},
           {"motion_m", trial.motion_m},
-          {"force_off", wordsOf(trial.force_off).name},
+          {"force_off", has_device ? Json(wordsOf(trial.force_off).name) : Json(nullptr)},
           {"device", figures}};
 }
 
@@ -60,7 +60,7 @@ std::string diagnosisJson(const Diagnosis& diagnosis) {
                {"device", diagnosis.device.empty() ? Json(nullptr) : Json(diagnosis.device)},
                {"hid", Json::array()},
                {"findings", Json::array()},
-               {"trial", diagnosis.trial ? trialJson(*diagnosis.trial) : Json(nullptr)}};
+               {"trial", diagnosis.trial ? trialJson(*diagnosis.trial, !diagnosis.device.empty()) : Json(nullptr)}};
   for (const FoundHid& found : diagnosis.hid) {
     json["hid"].push_back({{"path", found.device.path},
                            {"usb", usbText(found.device.vendor, found.device.product)},

@@ -28,34 +28,40 @@ void runQuietly(std::initializer_list<const char*> words) {
 
 }  // namespace
 
+std::string udevRule(std::uint16_t vendor, std::uint16_t product) {
+  return fmt::format(
+      "KERNEL==\"hidraw*\", ATTRS{{idVendor}}==\"{0:04x}\", ATTRS{{idProduct}}==\"{1:04x}\", MODE=\"0660\", "
+      "TAG+=\"uaccess\"\n"
+      "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{0:04x}\", ATTR{{idProduct}}==\"{1:04x}\", MODE=\"0660\", "
+      "TAG+=\"uaccess\"\n",
+      vendor, product);
+}
+
 std::string udevRules(std::span<const DeviceKind> kinds) {
   std::set<std::pair<std::uint16_t, std::uint16_t>> ids;
   for (const DeviceKind& kind : kinds) {
     for (const UsbId& usb : kind.usb) ids.emplace(usb.vendor, usb.product);
   }
   std::string rules = "# Written by palpate doctor --install-udev: haptic devices for whoever sits at the machine.\n";
-  for (const auto& [vendor, product] : ids) {
-    rules += fmt::format(
-        "KERNEL==\"hidraw*\", ATTRS{{idVendor}}==\"{0:04x}\", ATTRS{{idProduct}}==\"{1:04x}\", MODE=\"0660\", "
-        "TAG+=\"uaccess\"\n"
-        "SUBSYSTEM==\"usb\", ATTR{{idVendor}}==\"{0:04x}\", ATTR{{idProduct}}==\"{1:04x}\", MODE=\"0660\", "
-        "TAG+=\"uaccess\"\n",
-        vendor, product);
-  }
+  for (const auto& [vendor, product] : ids) rules += udevRule(vendor, product);
   return rules;
 }
 
-bool hasUdevRules(const std::filesystem::path& file, const std::string& rules) {
+bool hasUdevRule(const std::filesystem::path& file, const std::string& rule) {
   std::ifstream stream(file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {}) == rules;
+  return std::string(std::istreambuf_iterator<char>(stream), {}).find(rule) != std::string::npos;
 }
 
 void installUdevRules(const std::filesystem::path& file, const std::string& rules) {
   try {
     writeFileAtomically(file, rules);
   } catch (const Error& error) {
+    std::error_code ignored;
+    const std::filesystem::path folder = file.parent_path();
     throw Error(Error::Code::kIo, file.string(), error.reason(),
-                "run it with the right to write there: sudo palpate doctor --install-udev");
+                std::filesystem::exists(folder, ignored)
+                    ? "run it with the right to write there: sudo palpate doctor --install-udev"
+                    : fmt::format("sudo mkdir -p {} && sudo palpate doctor --install-udev", folder.string()));
   }
   runQuietly({"udevadm", "control", "--reload"});
   runQuietly({"udevadm", "trigger", "--subsystem-match=hidraw", "--subsystem-match=usb"});

@@ -16,9 +16,30 @@ const DeviceKind& kindOf(const Scene& scene) {
   refuse("--device " + scene.device, "nobody holds it", "choose a real one; 'palpate devices' lists them");
 }
 
+// A table of the user's that cannot be read may be the one with this device's limits.
+void refuseBrokenTables(const std::string& device) {
+  const std::vector<std::string>& complaints = deviceKindComplaints();
+  if (complaints.empty()) return;
+  refuse("--device " + device, "a table of devices cannot be read, which may be about it: " + complaints.front(),
+         "mend it, or move it out of " + userDeviceFolder().string());
+}
+
 HidChoice chosen(const Scene& scene) {
+  refuseBrokenTables(scene.device);
   return chooseHid(kindOf(scene), scene.device_path,
                    scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
+}
+
+// What the next program should know: that its button was pressed meanwhile, or that it counts from elsewhere.
+void noteCalibration(const Device& device, const CalibratedAs& calibrated_as) {
+  if (device.forceOff() == ForceOff::kUncalibrated) return forgetCalibration(calibrated_as.path);
+  if (device.forceOff() != ForceOff::kNone) return;
+  bool pressed = false, was_away = false;
+  for (const DeviceFigure& figure : device.figures()) {
+    pressed = pressed || (figure.key == "calibrations" && figure.value > 0);
+    was_away = was_away || (figure.key == "disconnects" && figure.value > 0);
+  }
+  if (pressed && !was_away) static_cast<void>(stampCalibrated(calibrated_as));
 }
 
 }  // namespace
@@ -33,14 +54,18 @@ void checkHeldDevice(const Scene& scene) {
 
 std::shared_ptr<Device> openHeldDevice(const Scene& scene) {
   HidChoice choice = chosen(scene);
+  const CalibratedAs calibrated_as = choice.asCalibrated();
   DeviceSetup setup{.rate_hz = scene.rate_hz,
                     .values = std::move(choice.values),
                     .open = std::move(choice.open),
                     .simulated_clock = scene.simulated_clock,
-                    .calibrated = scene.device_calibrated || isStampedCalibrated(choice.device.path),
+                    .calibrated = scene.device_calibrated || isStampedCalibrated(calibrated_as),
                     .thread_begins = [] { static_cast<void>(becomeRealTime(kLinkPriority)); }};
   if (scene.current_limit_A) setup.values["current_limit_A"] = *scene.current_limit_A;
-  return makeDevice(kindOf(scene).family, setup);
+  return {makeDevice(kindOf(scene).family, setup).release(), [calibrated_as](Device* device) {
+            noteCalibration(*device, calibrated_as);
+            delete device;
+          }};
 }
 
 HeldDevice placeHeldDevice(std::shared_ptr<Device> device, const Scene& scene, const VolumeBox& box) {

@@ -21,7 +21,8 @@ namespace palpate {
 // Before a volume is loaded: if it is held, the device is there and may be used.
 void checkHeldDevice(const Scene& scene);
 
-// In its own frame. Waits for its first report, for a second at most.
+// In its own frame. Waits for its first report, for a second at most. When it is let go, it is noted for the next
+// program whether it is calibrated (apps/devices/calibration_stamp.hpp).
 [[nodiscard]] std::shared_ptr<Device> openHeldDevice(const Scene& scene);
 
 struct HeldDevice {

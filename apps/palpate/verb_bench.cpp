@@ -18,15 +18,6 @@ struct BenchFlags : BenchArguments {
   BenchOutputFlags outputs;
 };
 
-// Not CLI::Range, which accepts NaN.
-std::string checkSeconds(const std::string& text) {
-  constexpr double kLeast_s = 0.1, kMost_s = 3600;
-  double value = 0;
-  const bool number = CLI::detail::lexical_cast(text, value);
-  if (number && value >= kLeast_s && value <= kMost_s) return {};
-  return fmt::format("'{}' is no number from {:g} to {:g}", text, kLeast_s, kMost_s);
-}
-
 std::string studyNames() {
   std::vector<std::string> names;
   for (const Study& study : studies()) names.emplace_back(study.name);
@@ -41,7 +32,7 @@ void addFlags(CLI::App& verb, const Bench& bench, BenchFlags& flags) {
   const auto takes = [&](std::string_view flag) { return std::ranges::find(bench.takes, flag) != bench.takes.end(); };
   if (takes("seconds")) {
     verb.add_option("--seconds", flags.seconds, "how long each side runs at each rate [s] (default 30; quick 2)")
-        ->check(checkSeconds);
+        ->check(numberFrom(0.1, 3600));
   }
   if (takes("gpu")) {
     verb.add_option("--gpu", flags.gpu, "part of the Vulkan device's name; the best one if not given");

@@ -31,9 +31,22 @@ constexpr int kPatience_ms = 2000;
 void awaitEnter() {
   printText("Put the handle into its home position and hold it there, then press Enter. ");
   std::string line;
-  if (!std::getline(std::cin, line))
+  if (!std::getline(std::cin, line)) {
+    printText("\n");
     refuse("palpate calibrate", "nobody answers on the terminal", "give --yes when the handle is in its home position");
+  }
+  if (line.find_first_not_of(" \t\r") != std::string::npos)
+    refuse("palpate calibrate", fmt::format("'{}' is no Enter alone", line),
+           "start again, and press Enter when the handle is there");
   throwIfInterrupted("palpate calibrate");
+}
+
+// Another device may be at its place now.
+bool wasAway(const Device& device) {
+  for (const DeviceFigure& figure : device.figures()) {
+    if (figure.key == "disconnects" && figure.value > 0) return true;
+  }
+  return false;
 }
 
 void calibrate(const CalibrateArguments& arguments) {
@@ -43,10 +56,10 @@ void calibrate(const CalibrateArguments& arguments) {
     return;
   }
   HidChoice choice = chooseHid(*kind, arguments.path, arguments.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
-  DeviceSetup setup{.values = std::move(choice.values), .open = std::move(choice.open)};
-  // The limit matters for forces alone, of which there are none here; without one the device would say nothing else.
+  DeviceSetup setup{.values = choice.values, .open = std::move(choice.open)};
+  // Limits matter for forces alone, of which there are none here; without one the device would say nothing else.
   for (const DeviceParameter& p : deviceEntry(kind->family).parameters())
-    if (p.key == "current_limit_A") setup.values["current_limit_A"] = p.highest;
+    if (p.key == "current_limit_A" || p.key == "force_limit_N") setup.values[std::string(p.key)] = p.highest;
   const std::unique_ptr<Device> device = makeDevice(kind->family, setup);
   if (device->forceOff() == ForceOff::kInputOnly) {
     printResult("{} needs no calibration.\n", arguments.device);
@@ -60,15 +73,20 @@ void calibrate(const CalibrateArguments& arguments) {
     static_cast<void>(device->write(Vec3::Zero()));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+  const std::string named = fmt::format("device {}", arguments.device);
+  if (wasAway(*device)) {
+    throw Error(Error::Code::kDevice, named, "it was unplugged meanwhile",
+                "plug it in, leave it so, and start again with its handle in the home position");
+  }
   if (device->forceOff() != ForceOff::kNone) {
-    throw Error(Error::Code::kDevice, fmt::format("device {}", arguments.device),
-                "it did not count from its home position",
+    throw Error(Error::Code::kDevice, named, "it did not count from its home position",
                 "hold the handle still, and see with 'palpate doctor' that it answers");
   }
-  const bool kept = stampCalibrated(choice.device.path);
+  const bool kept = stampCalibrated(choice.asCalibrated());
   printResult("{} counts from its home position{}.\n", arguments.device,
               kept ? " until it is unplugged"
-                   : "; this cannot be kept (XDG_RUNTIME_DIR is not set), so give --calibrated to later commands");
+                   : "; this cannot be kept (by hidraw, with XDG_RUNTIME_DIR set, it could), so give --calibrated to "
+                     "later commands");
 }
 
 }  // namespace

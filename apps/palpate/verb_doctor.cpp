@@ -19,10 +19,14 @@ constexpr int kForcesOff = 1;
 struct DoctorArguments {
   DoctorRequest request;
   std::string json;
-  bool installs_udev = false;
+  bool installs_udev = false, shows_udev = false;
 };
 
 void examine(const DoctorArguments& arguments) {
+  if (arguments.shows_udev) {
+    printText(udevRules(knownDeviceKinds()));
+    return;
+  }
   if (arguments.installs_udev) {
     installUdevRules(kUdevRulesFile, udevRules(knownDeviceKinds()));
     printResult("wrote {}; plug the devices in again\n", kUdevRulesFile);
@@ -50,14 +54,15 @@ void addDoctorVerb(CLI::App& app) {
   auto arguments = std::make_shared<DoctorArguments>();
   DoctorRequest& r = arguments->request;
   addDeviceFlags(*verb, {.device = r.device, .path = r.device_path, .by_libusb = r.by_libusb});
+  verb->get_option("--device-path")->needs("--device");
   verb->add_option("--current-limit", r.current_limit_A, "what the amplifiers of its firmware bear [A]")
-      ->check(CLI::Range(0.0, 20.0));
+      ->check(numberFrom(0.01, 20));
   verb->add_flag("--calibrated", r.calibrated, "it was calibrated since it was switched on, by another program");
-  verb->add_option("--rate", r.rate_hz, "of the servo in the trial [Hz] (default 1000)")
-      ->check(CLI::Range(10.0, 20000.0));
-  verb->add_option("--seconds", r.trial_s, "how long the trial takes [s] (default 5)")->check(CLI::Range(0.1, 600.0));
+  verb->add_option("--rate", r.rate_hz, "of the servo in the trial [Hz] (default 1000)")->check(numberFrom(10, 20000));
+  verb->add_option("--seconds", r.trial_s, "how long the trial takes [s] (default 5)")->check(numberFrom(0.1, 600));
   verb->add_flag("--install-udev", arguments->installs_udev,
                  fmt::format("write {}, which lets users at the machine use the devices", kUdevRulesFile));
+  verb->add_flag("--udev-rules", arguments->shows_udev, "print what it would write, and do nothing else");
   verb->add_option("--json", arguments->json, "write it into this file too")->type_name("FILE")->check(notEmpty);
   verb->callback([arguments] { examine(*arguments); });
 }

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "base/atomic_file.hpp"
 
@@ -16,6 +17,14 @@ namespace palpate {
 struct SculptRequest;
 
 // A CLI11 check for options that may not be empty: returns the message, or "" if the text is not empty.
+// A check for numbers from `least` to `most`. Not CLI::Range, which accepts NaN.
+[[nodiscard]] inline auto numberFrom(double least, double most) {
+  return [=](const std::string& text) -> std::string {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= least && value <= most) return {};
+    return fmt::format("'{}' is no number from {:g} to {:g}", text, least, most);
+  };
+}
 [[nodiscard]] inline std::string notEmpty(const std::string& text) {
   return text.empty() ? "'' is empty: name something, or leave the option out" : "";
 }

@@ -41,8 +41,10 @@ double twoDigits(double value, double (*round)(double)) {
   return round(value / step) * step;
 }
 
-std::string other(const SampledLoop& loop, const Wall& wall) {
+// A device that sets the pace has its delay whatever the servo's rate.
+std::string other(const SampledLoop& loop, const Wall& wall, const DeviceLimits& device) {
   std::string words;
+  if (device.sets_pace) return words;
   const double rate_hz = rateBound(loop, wall);
   if (std::isfinite(rate_hz)) words += fmt::format(", or a rate of {:g} Hz or more", twoDigits(rate_hz, std::ceil));
   const int delay = delayBound(loop, wall, loop.delay_ticks);
@@ -57,21 +59,21 @@ std::string conditionWords(const SampledLoop& loop) {
                               : fmt::format("at {:g} Hz", loop.rate_hz);
 }
 
-std::string stiffnessWarning(const SampledLoop& loop, const Wall& wall, double bound) {
+std::string stiffnessWarning(const SampledLoop& loop, const Wall& wall, double bound, const DeviceLimits& device) {
   return fmt::format(
       "a stiffness of {:g} N/m is more than this device can render {}, so the contact will shake: with a damping of "
       "{:g} N s/m it is stable up to {:g} N/m; give at most that{}",
       wall.stiffness_N_per_m, conditionWords(loop), wall.damping_Ns_per_m, twoDigits(bound, std::floor),
-      other(loop, wall));
+      other(loop, wall, device));
 }
 
-std::string dampingWarning(const SampledLoop& loop, const Wall& wall) {
+std::string dampingWarning(const SampledLoop& loop, const Wall& wall, const DeviceLimits& device) {
   const double most = dampingBound(loop, kSoftest_N_per_m);
   return fmt::format(
       "a damping of {:g} N s/m is more than this device can render {}, so the contact will shake at any stiffness; "
       "give "
       "at most {:g} N s/m{}",
-      wall.damping_Ns_per_m, conditionWords(loop), twoDigits(most, std::floor), other(loop, wall));
+      wall.damping_Ns_per_m, conditionWords(loop), twoDigits(most, std::floor), other(loop, wall, device));
 }
 
 }  // namespace
@@ -113,8 +115,8 @@ std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopPa
   const Wall wall = stiffestWall(settings);
   const SampledLoop worst = worstLoop(loop, device, wall.damping_Ns_per_m);
   const double bound = stiffnessBound(worst, wall.damping_Ns_per_m);
-  if (bound > 0) return {stiffnessWarning(worst, wall, bound)};
-  return {dampingWarning(worst, wall)};
+  if (bound > 0) return {stiffnessWarning(worst, wall, bound, device.limits())};
+  return {dampingWarning(worst, wall, device.limits())};
 }
 
 }  // namespace palpate

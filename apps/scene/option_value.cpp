@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/devices/device_table.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/nearest_word.hpp"
@@ -18,9 +19,12 @@ namespace {
 
 [[noreturn]] void refuseText(const std::string& where, const std::string& text, const OptionValue& value,
                              const std::string& unit) {
-  throw Error(
-      Error::Code::kBadInput, where, fmt::format("'{}' is not what it takes", text),
-      withDidYouMean(text, optionWords(value), "give " + optionForm(value) + (unit.empty() ? "" : ", in " + unit)));
+  std::string remedy =
+      withDidYouMean(text, optionWords(value), "give " + optionForm(value) + (unit.empty() ? "" : ", in " + unit));
+  if (const auto* words = std::get_if<WordOption>(&value); words != nullptr && words->member == &Scene::device) {
+    for (const std::string& complaint : deviceKindComplaints()) remedy += fmt::format(" ({})", complaint);
+  }
+  refuse(where, fmt::format("'{}' is not what it takes", text), remedy);
 }
 
 template <typename Number>

@@ -1,25 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/touch/recording_file.hpp"
 
+#include <filesystem>
 #include <fstream>
-#include <iterator>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 namespace palpate {
 
 std::shared_ptr<const Recording> loadRecording(const std::string& file) {
   if (file.empty()) refuse("--device recorded", "no recording is given", "give one with --recording FILE");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error(Error::Code::kNotFound, file, "the recording cannot be opened", "check its name and rights");
-  const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  return std::make_shared<const Recording>(readRecording(bytes, file));
+  constexpr std::uint64_t kMostBytes = std::uint64_t{4} << 30U;  // 40 hours of a hand that moves at 1 kHz
+  return std::make_shared<const Recording>(readRecording(wholeFile(file, "the recording", kMostBytes), file));
 }
 
 double recordedDuration_s(const Scene& scene) {
   const auto recording = loadRecording(scene.recording);
   return static_cast<double>(recording->gridTicks()) / recording->rate_hz;
+}
+
+void checkRecordable(const std::string& file) {
+  checkWritable(file);
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) return;
+  std::ifstream stream(file, std::ios::binary);
+  std::string begin(kRecordingBegin.size(), '\0');
+  stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  if (begin != kRecordingBegin)
+    refuse(file, "it is there, and is no recording", "move it away, or name another file with --record");
 }
 
 void saveRecording(const std::string& file, const Recording& recording) {

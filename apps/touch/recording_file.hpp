@@ -16,6 +16,8 @@ namespace palpate {
 // How long the scene's recording is [s]. Throws as above.
 [[nodiscard]] double recordedDuration_s(const Scene& scene);
 
+// Before a run: throws Error(kIo) where no file can be written, and kBadInput if there is one that is no recording.
+void checkRecordable(const std::string& file);
 // Whole or not at all. Throws Error(kIo).
 void saveRecording(const std::string& file, const Recording& recording);
 

@@ -77,15 +77,16 @@ std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures
   return fmt::format(
       "no force above {} N was reached, which is too little to feel: "
       "the tool pressed at most {} mm deep{}, and --stiffness {} makes {} N of that; {}",
-      shortNumber(kFaintForce_N), shortNumber(depth_m * kMillimetresPerMetre), why,
-      shortNumber(stiffnessOf(scene)), shortNumber(spring_N), moreForceWords(scene, depth_m));
+      shortNumber(kFaintForce_N), shortNumber(depth_m * kMillimetresPerMetre), why, shortNumber(stiffnessOf(scene)),
+      shortNumber(spring_N), moreForceWords(scene, depth_m));
 }
 
-std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early) {
+std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early, bool has_path) {
   const bool told = std::any_of(figures.faults.begin(), figures.faults.end(),
                                 [](const FaultCount& count) { return count.fault == ServoFault::kInsideObject; });
   if (figures.contact_ticks > 0 || told) return {};
   if (ended_early) return "nothing was touched until the run was ended";
+  if (!has_path) return "nothing was touched: the hand never came to the surface; see --place-at, --place-scale and --iso";
   return "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path";
 }
 

@@ -33,7 +33,7 @@ inline constexpr double kFeltStep_N = 0.1;
 [[nodiscard]] std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures& figures);
 
 // A note if nothing was touched and no fault explains it. `ended_early`: the tool did not reach the end of its path.
-[[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early);
+[[nodiscard]] std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended_early, bool has_path);
 
 // A note if a spring hand pressed less deep than `scene`, as the user gave it, asks for, by more than kDepthShare of
 // that depth. The hand's spring and the surface's spring share the displacement. `phases`: the phases that the tool

@@ -21,7 +21,7 @@ bool hasPath(const Scene& scene) {
 }
 
 void checkDevice(const Scene& scene) {
-  if (!scene.record.empty()) checkWritable(scene.record);
+  if (!scene.record.empty()) checkRecordable(scene.record);
   checkHeldDevice(scene);
   if (isHeld(scene)) return;
   if (scene.device == kRecorded) static_cast<void>(loadRecording(scene.recording));
@@ -34,12 +34,15 @@ void checkDevice(const Scene& scene) {
 SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBox& box) {
   if (isHeld(scene)) {
     HeldDevice held = placeHeldDevice(openHeldDevice(scene), scene, box);
-    return {std::move(held.device), held.placement};
+    return {.device = std::move(held.device), .placement = held.placement};
   }
-  if (scene.device != kRecorded) return {makeDevice(scene.device, deviceSetup(scene, path)), std::nullopt};
+  if (scene.device != kRecorded)
+    return {.device = makeDevice(scene.device, deviceSetup(scene, path)), .placement = std::nullopt};
   DeviceSetup setup{.rate_hz = scene.rate_hz};
   setup.recording = loadRecording(scene.recording);
-  return {makeDevice(scene.device, setup), std::nullopt};
+  return {.device = makeDevice(scene.device, setup),
+          .placement = std::nullopt,
+          .stiffness_N_per_m = setup.recording->stiffness_N_per_m};
 }
 
 RunDevice deviceOfRun(const std::string& name, const Device& device) {

@@ -25,6 +25,7 @@ void checkDevice(const Scene& scene);
 struct SceneDevice {
   std::unique_ptr<Device> device;
   std::optional<Placement> placement;  // of a device that is held
+  double stiffness_N_per_m = 0;  // that a recorded session was felt with; 0: not known, or none was recorded [N/m]
 };
 // `path` leads a simulated device.
 [[nodiscard]] SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBox& box);

@@ -85,6 +85,12 @@ class Stages {
   std::vector<StageTime>& times_;
 };
 
+// No result takes another's place.
+void checkFilesDiffer(const Scene& scene) {
+  for (const char* result : kRunResults)
+    checkOutputsDiffer({scene.save, scene.record, std::filesystem::path(scene.out) / result});
+}
+
 // Finds errors of the command line before a volume is loaded.
 void checkEarly(const Scene& scene, const ContactObjects& objects) {
   if (scene.volume.empty()) {
@@ -100,6 +106,7 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   (void)VelocityEstimate(velocity, scene.rate_hz);
   checkEditOptions(scene);
   checkDevice(scene);
+  checkFilesDiffer(scene);
   if (scene.require_real_time && !scene.simulated_clock) checkRealTime(LoopParameters{}.priority);
   if (scene.path_file.empty()) checkRunLength(scene, availableMemoryBytes());
 }
@@ -403,6 +410,7 @@ void TouchJob::readyDevice() {
     recorder_ = recorder.get();
     device_ = std::move(recorder);
   }
+  if (!scene_.stiffness_N_per_m && made.stiffness_N_per_m > 0) run_.scene.stiffness_N_per_m = made.stiffness_N_per_m;
   if (!made.placement) return;
   if (!scene_.stiffness_N_per_m)
     run_.scene.stiffness_N_per_m = usualStiffness(rigSettings(scene_, isovalue_), loopParameters(scene_), *device_);
@@ -443,7 +451,10 @@ void TouchJob::feel() {
   run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
   if (isHeld(scene_)) run_.device = deviceOfRun(scene_.device, *device_);
-  if (recorder_ != nullptr) recording_ = recorder_->recording();
+  if (recorder_ != nullptr) {
+    recording_ = recorder_->recording();
+    recording_->stiffness_N_per_m = stiffnessOf(run_.scene);
+  }
   recorder_ = nullptr;
   device_.reset();  // its threads end; it was told to exert no force
   endEarly(run_);
@@ -463,7 +474,7 @@ void TouchJob::assess() {
   for (const auto& note :
        {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
         noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(asked, *run_.figures),
-        noteOnNoContact(*run_.figures, !run_.ended_early.empty()), noteOnHand(scene_, *run_.figures, run_.phases),
+        noteOnNoContact(*run_.figures, !run_.ended_early.empty(), hasPath(scene_)), noteOnHand(scene_, *run_.figures, run_.phases),
         noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);
   }

@@ -26,6 +26,7 @@ enum class ForceOff : std::uint8_t {
   kUncalibrated,    // nobody knows where its handle is
   kLimitZero,       // its force limit is 0
   kDisconnected,    // it is not there
+  kClutched,        // its handle's switch is pressed
 };
 
 // A count or a time that a device tells of itself, for summaries.
@@ -44,6 +45,7 @@ struct DeviceLimits {
   double position_resolution_m = 0;    // of its encoders; 0: rounding is negligible [m]
   int force_delay_ticks = 0;           // from write() to the force that acts, in servo ticks
   double slew_limit_N_per_s = 0;       // fastest change of force that it can follow; 0: not stated [N/s]
+  bool sets_pace = false;              // that delay follows from its reports, whatever the servo's rate
   bool follows_force = true;           // false: no force moves it, so no contact with it can be unstable
   double stiffness_limit_N_per_m = 0;  // stiffest contact that its maker states; 0: not stated [N/m]
   double workspace_radius_m = 0;       // around its origin; 0: not stated [m]
@@ -58,7 +60,8 @@ class Device {
   // Empty: nothing is known of them, or no force moves the device. Set-up code; allocates.
   [[nodiscard]] virtual std::vector<HandParameters> hands() const { return {}; }
 
-  // Why it exerts no force now. Any thread.
+  // Why it exerts no force now. Any thread. For any reason but kInputOnly the servo fades the force, so that it comes back
+  // evenly.
   [[nodiscard]] virtual ForceOff forceOff() const noexcept { return ForceOff::kNone; }
   // What happened so far. Any thread; allocates.
   [[nodiscard]] virtual std::vector<DeviceFigure> figures() const { return {}; }

@@ -7,6 +7,8 @@
 #include <array>
 #include <iterator>
 #include <span>
+#include <type_traits>
+#include <utility>
 
 #include "servo/devices/registry.hpp"
 
@@ -20,6 +22,7 @@ struct ParameterRow {
   std::string_view help;
   double (*get)(const Parameters&);
   void (*set)(Parameters&, double);
+  bool is_whole = false;
 };
 
 // DeviceEntry::parameters of a device with one table of rows.
@@ -28,7 +31,7 @@ std::span<const DeviceParameter> parametersOf() {
   static const auto kParameters = [] {
     std::array<DeviceParameter, std::size(kRows)> all;
     std::transform(std::begin(kRows), std::end(kRows), all.begin(), [](const auto& row) {
-      return DeviceParameter{row.key, row.unit, row.get({}), row.lowest, row.highest, row.help};
+      return DeviceParameter{row.key, row.unit, row.get({}), row.lowest, row.highest, row.help, row.is_whole};
     });
     return all;
   }();
@@ -58,7 +61,8 @@ constexpr ParameterRow<Parameters> placeRow(std::string_view key, std::string_vi
           [](Parameters& p, double v) {
             using Value = std::remove_reference_t<decltype(Place::of(p))>;
             Place::of(p) = static_cast<Value>(v);
-          }};
+          },
+          std::is_integral_v<std::remove_reference_t<decltype(Place::of(std::declval<Parameters&>()))>>};
 }
 
 template <auto kMember>

@@ -60,13 +60,19 @@ std::vector<HandParameters> PlacedDevice::hands() const {
   return hands;
 }
 
+ForceOff PlacedDevice::forceOff() const noexcept {
+  const ForceOff why = device_->forceOff();
+  if (why != ForceOff::kNone) return why;
+  return was_clutched_.load(std::memory_order_relaxed) ? ForceOff::kClutched : ForceOff::kNone;
+}
+
 bool PlacedDevice::read(Vec3& position_W) noexcept {
   Vec3 position_D = position_D_;
   if (!device_->read(position_D)) return false;
   const bool clutched = this->clutched();
   if (!has_read_ && begins_at_place_) shift_D_ = position_D;
-  if (has_read_ && (clutched || was_clutched_)) shift_D_ += position_D - position_D_;
-  was_clutched_ = clutched;
+  if (has_read_ && (clutched || was_clutched_.load(std::memory_order_relaxed))) shift_D_ += position_D - position_D_;
+  was_clutched_.store(clutched, std::memory_order_relaxed);
   has_read_ = true;
   position_D_ = position_D;
   position_W = placement_.at_W + placement_.scale * (placement_.R_WD * (position_D_ - shift_D_));

@@ -14,6 +14,7 @@
 // Frame W: world [m, N]. Threads as in device.hpp; no heap after construction.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "servo/devices/device.hpp"
@@ -42,7 +43,7 @@ class PlacedDevice final : public Device {
   [[nodiscard]] std::string_view name() const noexcept override { return device_->name(); }
   [[nodiscard]] DeviceLimits limits() const noexcept override;
   [[nodiscard]] std::vector<HandParameters> hands() const override;
-  [[nodiscard]] ForceOff forceOff() const noexcept override { return device_->forceOff(); }
+  [[nodiscard]] ForceOff forceOff() const noexcept override;
   [[nodiscard]] std::vector<DeviceFigure> figures() const override { return device_->figures(); }
   void elapse(int ticks) noexcept override { device_->elapse(ticks); }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
@@ -61,7 +62,8 @@ class PlacedDevice final : public Device {
   double radius_m_;       // of the device's workspace, in D; 0: none is stated
   bool begins_at_place_;  // its first position is `at`
   Vec3 position_D_ = Vec3::Zero(), shift_D_ = Vec3::Zero();
-  bool has_read_ = false, was_clutched_ = false;
+  bool has_read_ = false;
+  std::atomic<bool> was_clutched_{false};  // at the last read
 };
 
 }  // namespace palpate

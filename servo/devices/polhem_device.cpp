@@ -80,6 +80,13 @@ void countOne(std::atomic<std::uint64_t>& counter) noexcept {
 
 }  // namespace
 
+void checkPolhem(const PolhemParameters& parameters) {
+  const ArmKinematics arm(checked(parameters).joints, parameters.origin_m);
+  if (!arm.anglesAt(Vec3::Zero()))
+    refuse("origin of the workspace", "the arm does not reach it",
+           "give origin_x_m, _y_m and _z_m within its links' lengths");
+}
+
 PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& use, PortOpener open)
     : parameters_(checked(parameters)),
       use_(use),
@@ -147,6 +154,7 @@ DeviceLimits PolhemDevice::limits() const noexcept {
           .position_resolution_m = arm_.resolution_m(middle),
           .force_delay_ticks = delayTicks(),
           .slew_limit_N_per_s = parameters_.slew_limit_N_per_s,
+          .sets_pace = !use_.simulated_clock,
           .follows_force = true,
           .stiffness_limit_N_per_m = parameters_.stiffness_limit_N_per_m,
           .workspace_radius_m = parameters_.workspace_radius_m};

@@ -44,6 +44,9 @@ struct PolhemParameters {
   double mass_kg = 0.15, damping_Ns_per_m = 0.5;
 };
 
+// Throws Error(kBadInput) for parameters that no arm can have.
+void checkPolhem(const PolhemParameters& parameters);
+
 struct PolhemUse {
   bool simulated_clock = false;
   double rate_hz = 1000;    // of the servo [Hz]

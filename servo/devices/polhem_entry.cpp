@@ -78,7 +78,8 @@ DeviceEntry polhemEntry() {
           .description = "WoodenHaptics and Polhem over HID: force in three directions",
           .needs_port = true,
           .parameters = parametersOf<kPolhemRows>,
-          .make = makePolhem};
+          .make = makePolhem,
+          .check = [](const DeviceValues& values) { checkPolhem(given<Arm>(kPolhemRows, {.values = values})); }};
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/recording.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -14,11 +15,12 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "recordings hold the low byte first");
 
-constexpr std::string_view kMagic = "PALPREC1";
-constexpr std::size_t kBlockTicks = 4096;
+constexpr std::string_view kMagic = "PALPREC2";
+constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
-constexpr std::int32_t kUsualElapsed = 1;
+constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0xffffff;
+constexpr unsigned kOffShift = 24;  // why there is no force lies in the high byte of the periods
 constexpr double kMostRate_hz = 20000;  // ServoLoop's
 constexpr int kMostDelay_ticks = 10000;
 
@@ -63,6 +65,7 @@ class Taker {
 std::string headerBytes(const Recording& r) {
   std::string bytes;
   put(bytes, r.rate_hz);
+  put(bytes, r.stiffness_N_per_m);
   for (const double limit : {r.limits.force_limit_N, r.limits.position_resolution_m, r.limits.slew_limit_N_per_s,
                              r.limits.stiffness_limit_N_per_m, r.limits.workspace_radius_m})
     put(bytes, limit);
@@ -86,12 +89,16 @@ bool sameBits(const Vec3& a, const Vec3& b) {
 void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W) {
   const bool moved = !sameBits(tick.position_W, before_W);
   const bool edge = tick.boundary.stored_J != 0 || !tick.boundary.force_W.isZero(0);
+  const bool unusual = tick.elapsed_ticks != kUsualElapsed || tick.force_off != ForceOff::kNone;
   const auto flag = [](bool on, std::uint8_t bit) { return on ? bit : std::uint8_t{0}; };
   put(bytes, static_cast<std::uint8_t>(
                  flag(tick.answered, kAnswered) | flag(moved, kMoved) | flag(tick.report_age_ns != 0, kAged) |
                  flag(tick.taken, kTaken) | flag(tick.held_differs, kHeld) | flag(edge, kEdge) |
-                 flag(tick.pressed, kSwitchOn) | flag(tick.elapsed_ticks != kUsualElapsed, kElapsed)));
-  if (tick.elapsed_ticks != kUsualElapsed) put(bytes, tick.elapsed_ticks);
+                 flag(tick.pressed, kSwitchOn) | flag(unusual, kElapsed)));
+  if (unusual) {
+    const auto periods = static_cast<std::uint32_t>(std::min(tick.elapsed_ticks, kMostElapsed));
+    put(bytes, periods | static_cast<std::uint32_t>(tick.force_off) << kOffShift);
+  }
   if (moved) put(bytes, tick.position_W);
   if (tick.report_age_ns != 0) put(bytes, tick.report_age_ns);
   if (tick.held_differs) put(bytes, tick.held_W);
@@ -107,7 +114,9 @@ RecordedTick takeTick(Taker& taker, Vec3& position_W) {
   tick.taken = has(kTaken);
   tick.pressed = has(kSwitchOn);
   tick.held_differs = has(kHeld);
-  tick.elapsed_ticks = has(kElapsed) ? taker.take<std::int32_t>() : kUsualElapsed;
+  const auto periods = has(kElapsed) ? taker.take<std::uint32_t>() : std::uint32_t{kUsualElapsed};
+  tick.elapsed_ticks = static_cast<std::int32_t>(periods & std::uint32_t{kMostElapsed});
+  tick.force_off = static_cast<ForceOff>(periods >> kOffShift);
   if (has(kMoved)) position_W = taker.takeVector();
   tick.position_W = position_W;
   if (has(kAged)) tick.report_age_ns = taker.take<std::int64_t>();
@@ -120,7 +129,7 @@ RecordedTick takeTick(Taker& taker, Vec3& position_W) {
 }
 
 bool canBe(const RecordedTick& tick) {
-  return tick.elapsed_ticks >= 0 && tick.report_age_ns >= 0 && tick.held_W.allFinite() &&
+  return tick.force_off <= ForceOff::kClutched && tick.report_age_ns >= 0 && tick.held_W.allFinite() &&
          tick.boundary.force_W.allFinite() && std::isfinite(tick.boundary.stored_J);
 }
 
@@ -139,7 +148,7 @@ std::optional<std::vector<RecordedTick>> ticksOf(std::string_view block, std::ui
 bool canBe(const Recording& r) {
   const DeviceLimits& l = r.limits;
   bool can = r.rate_hz >= 1 && r.rate_hz <= kMostRate_hz && l.force_delay_ticks >= 0 &&
-             l.force_delay_ticks <= kMostDelay_ticks;
+             l.force_delay_ticks <= kMostDelay_ticks && r.stiffness_N_per_m >= 0 && std::isfinite(r.stiffness_N_per_m);
   for (const double limit : {l.force_limit_N, l.position_resolution_m, l.slew_limit_N_per_s, l.stiffness_limit_N_per_m,
                              l.workspace_radius_m})
     can = can && limit >= 0 && std::isfinite(limit);
@@ -155,6 +164,7 @@ bool canBe(const Recording& r) {
 Recording takeHeader(Taker& taker) {
   Recording r;
   r.rate_hz = taker.take<double>();
+  r.stiffness_N_per_m = taker.take<double>();
   for (double* limit : {&r.limits.force_limit_N, &r.limits.position_resolution_m, &r.limits.slew_limit_N_per_s,
                         &r.limits.stiffness_limit_N_per_m, &r.limits.workspace_radius_m})
     *limit = taker.take<double>();

@@ -20,6 +20,7 @@ struct RecordedTick {
   bool pressed = false;            // the handle's switch
   bool taken = true;               // write() took the force
   bool held_differs = false;       // held() was another force than the one that was written
+  ForceOff force_off = ForceOff::kNone;
   Vec3 position_W = Vec3::Zero();  // [m]
   std::int64_t report_age_ns = 0;  // [ns]
   DeviceBoundary boundary = {};
@@ -27,8 +28,9 @@ struct RecordedTick {
 };
 
 struct Recording {
-  std::string device;  // its name
-  double rate_hz = 0;  // of the servo [Hz]
+  std::string device;            // its name
+  double rate_hz = 0;            // of the servo [Hz]
+  double stiffness_N_per_m = 0;  // of the contact in the session; 0: not known [N/m]
   DeviceLimits limits = {};
   std::vector<HandParameters> hands = {};
   std::vector<RecordedTick> ticks = {};
@@ -37,6 +39,9 @@ struct Recording {
   // Of the servo's grid, from the first tick to the last [tick].
   [[nodiscard]] std::int64_t gridTicks() const noexcept;
 };
+
+// With which a recording begins, of whatever version.
+inline constexpr std::string_view kRecordingBegin = "PALPREC";
 
 [[nodiscard]] std::string recordingBytes(const Recording& recording);
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/recording_device.hpp"
 
+#include <cmath>
 #include <limits>
+
+#include "base/units.hpp"
 
 namespace palpate {
 
@@ -27,6 +30,7 @@ bool RecordingDevice::read(Vec3& position_W) noexcept {
   now_->answered = device_->read(position_W);
   now_->position_W = position_W;
   now_->pressed = device_->pressed();
+  now_->force_off = device_->forceOff();
   return now_->answered;
 }
 
@@ -57,6 +61,12 @@ Recording RecordingDevice::recording() const {
           .ticks = ticks_};
 }
 
+std::int64_t RecordedDevice::reportAge_ns() const noexcept {
+  if (is_new_) return tick().report_age_ns;
+  return tick().report_age_ns +
+         std::llround(static_cast<double>(grid_ - due_) * (kNanosecondsPerSecond / recording_->rate_hz));
+}
+
 // Where the servo left out grid points, the next read came later; until then there is nothing new.
 bool RecordedDevice::read(Vec3& position_W) noexcept {
   is_new_ = false;
@@ -68,6 +78,7 @@ bool RecordedDevice::read(Vec3& position_W) noexcept {
   } else if (next >= recording_->ticks.size()) {
     return false;
   }
+  force_off_.store(tick().force_off, std::memory_order_relaxed);
   if (!tick().answered) return false;
   position_W = tick().position_W;
   return true;

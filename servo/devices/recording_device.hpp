@@ -5,6 +5,7 @@
 // device.hpp; recording() after the loop has ended.
 #pragma once
 
+#include <atomic>
 #include <memory>
 
 #include "servo/devices/device.hpp"
@@ -51,9 +52,11 @@ class RecordedDevice final : public Device {
   [[nodiscard]] std::string_view name() const noexcept override { return recording_->device; }
   [[nodiscard]] DeviceLimits limits() const noexcept override { return recording_->limits; }
   [[nodiscard]] std::vector<HandParameters> hands() const override { return recording_->hands; }
+  [[nodiscard]] ForceOff forceOff() const noexcept override { return force_off_.load(std::memory_order_relaxed); }
   void elapse(int ticks) noexcept override { grid_ += ticks; }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
-  [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return is_new_ ? tick().report_age_ns : kOld_ns; }
+  // Where the servo of the session left out grid points, the last position grows older meanwhile.
+  [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
   [[nodiscard]] bool pressed() const noexcept override { return tick().pressed; }
   [[nodiscard]] DeviceBoundary boundary() const noexcept override { return tick().boundary; }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override { return force_W.allFinite() && tick().taken; }
@@ -62,7 +65,6 @@ class RecordedDevice final : public Device {
   }
 
  private:
-  static constexpr std::int64_t kOld_ns = 3'600'000'000'000;
   [[nodiscard]] const RecordedTick& tick() const noexcept { return recording_->ticks[at_]; }
 
   std::shared_ptr<const Recording> recording_;
@@ -70,6 +72,7 @@ class RecordedDevice final : public Device {
   bool begun_ = false, is_new_ = false;
   std::int64_t grid_ = 0;  // periods that elapsed
   std::int64_t due_ = 0;   // periods after which tick `at_` was read
+  std::atomic<ForceOff> force_off_{ForceOff::kNone};  // at the last read
 };
 
 }  // namespace palpate

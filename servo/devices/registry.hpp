@@ -26,6 +26,7 @@ struct DeviceParameter {
   double usual = 0;       // its value if it is not given
   double lowest = 0, highest = 0;
   std::string_view help;
+  bool is_whole = false;  // a count or a flag
 };
 
 using DeviceValues = std::map<std::string, double, std::less<>>;  // by DeviceParameter::key
@@ -50,6 +51,8 @@ struct DeviceEntry {
   bool needs_port = false;       // DeviceSetup::open must be given; the device has a frame of its own, D
   std::span<const DeviceParameter> (*parameters)() = nullptr;
   std::unique_ptr<Device> (*make)(const DeviceSetup& setup) = nullptr;
+  // Throws Error(kBadInput) for values that no such device can have, each within its range; null: all can be.
+  void (*check)(const DeviceValues& values) = nullptr;
 };
 
 // The first is the default.

@@ -49,6 +49,10 @@ bool foldInto(Report& known, const Report& report) {
 
 }  // namespace
 
+void checkSpaceMouse(const SpaceMouseParameters& parameters) {
+  static_cast<void>(checked(parameters));
+}
+
 SpaceMouseDevice::SpaceMouseDevice(const SpaceMouseParameters& parameters, const SpaceMouseUse& use, PortOpener open)
     : parameters_(checked(parameters)),
       use_(use),

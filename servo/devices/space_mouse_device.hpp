@@ -26,6 +26,9 @@ struct SpaceMouseParameters {
   double workspace_radius_m = 0.25;
 };
 
+// Throws Error(kBadInput) for parameters that no SpaceMouse can have.
+void checkSpaceMouse(const SpaceMouseParameters& parameters);
+
 struct SpaceMouseUse {
   bool simulated_clock = false;
   double rate_hz = 1000;  // of the servo [Hz]

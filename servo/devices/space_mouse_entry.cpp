@@ -28,11 +28,13 @@ std::unique_ptr<Device> makeSpaceMouse(const DeviceSetup& setup) {
 }  // namespace
 
 DeviceEntry spaceMouseEntry() {
-  return {.name = "spacemouse-family",
-          .description = "3Dconnexion SpaceMouse over HID: moves the tool, exerts no force",
-          .needs_port = true,
-          .parameters = parametersOf<kSpaceMouseRows>,
-          .make = makeSpaceMouse};
+  return {
+      .name = "spacemouse-family",
+      .description = "3Dconnexion SpaceMouse over HID: moves the tool, exerts no force",
+      .needs_port = true,
+      .parameters = parametersOf<kSpaceMouseRows>,
+      .make = makeSpaceMouse,
+      .check = [](const DeviceValues& values) { checkSpaceMouse(given<Mouse>(kSpaceMouseRows, {.values = values})); }};
 }
 
 }  // namespace palpate

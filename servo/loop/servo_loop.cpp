@@ -240,6 +240,8 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
     out.vhip_W = hip_W_;
     out.stored_J = std::numeric_limits<double>::quiet_NaN();
   }
+  if (const ForceOff off = device_.forceOff(); off != ForceOff::kNone && off != ForceOff::kInputOnly)
+    faults |= bit(ServoFault::kForceOff);
   const double share = guard_.share();
   Vec3 pushed_W = share * out.force_W;
   double stored_J = share * out.stored_J;

@@ -31,6 +31,7 @@ enum class ServoFault : std::uint32_t {
   kClockStep = 1U << 13,
   kPlaneBehind = 1U << 14,
   kUnstable = 1U << 15,
+  kForceOff = 1U << 16,
 };
 
 [[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept {
@@ -45,7 +46,7 @@ inline constexpr std::uint32_t kFadingFaults =
     bit(ServoFault::kNoWindow) | bit(ServoFault::kStaleWindow) | bit(ServoFault::kBeyondWindow) |
     bit(ServoFault::kNonFiniteForce) | bit(ServoFault::kDeviceError) | bit(ServoFault::kStall) |
     bit(ServoFault::kDroppedReports) | bit(ServoFault::kClockStep) | bit(ServoFault::kSurfaceLost) |
-    bit(ServoFault::kPlaneBehind) | bit(ServoFault::kUnstable);
+    bit(ServoFault::kPlaneBehind) | bit(ServoFault::kUnstable) | bit(ServoFault::kForceOff);
 
 struct FaultText {
   ServoFault fault;

@@ -128,6 +128,18 @@ TEST(AtomicFile, RefusesAnUnwritableFolder) {
   EXPECT_EQ(folder.files(), 0);
 }
 
+// What a shell led elsewhere, as with >> log: the log would be replaced by one result.
+TEST(AtomicFile, RefusesAStreamOfItsProgram) {
+  for (const char* stream : {"/dev/stdout", "/dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
+    try {
+      const AtomicFile file(stream);
+      FAIL() << stream;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kIo);
+    }
+  }
+}
+
 TEST(AtomicFile, RefusesToReplaceADevice) {
   expectIoError([] { writeFileAtomically("/dev/full", "x"); }, "not a plain file");
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));

@@ -45,6 +45,8 @@ struct Options {
   int replug_ms = -1;      // and plugged in again; -1: never
   int silent_after = -1;   // reports after which it answers no more; -1: never
   bool paced = false;      // it takes a millisecond for each report, as over a cable
+  int press_from = -1;     // reports between which its handle's switch is pressed; -1: never
+  int press_to = -1;
   double faults = 0;       // share of answers that are lost, garbled, short, double or late
   unsigned seed = 1;
   std::string log;  // file for the devices' own account
@@ -91,6 +93,8 @@ Options parsed(int count, char** words) {
       o.replug_ms = std::stoi(value());
     } else if (word == "--silent-after") {
       o.silent_after = std::stoi(value());
+    } else if (word == "--press") {
+      if (std::sscanf(value().c_str(), "%d:%d", &o.press_from, &o.press_to) != 2) throw std::runtime_error(kUsage);
     } else if (word == "--paced") {
       o.paced = true;
     } else if (word == "--faults") {
@@ -227,6 +231,7 @@ class Emulated {
     }
     report.size = static_cast<std::size_t>(got);
     ++reports_;
+    arm_->press(reports_ >= options_.press_from && reports_ < options_.press_to);
     if (options_.paced) usleep(1000);
     if (!answers() || (options_.silent_after >= 0 && reports_ > options_.silent_after)) return;
     for (const Report& answer : reports_of_->answersTo(report)) send(answer);
@@ -239,6 +244,7 @@ class Emulated {
     listener_ = Socket();
     connection_ = Socket();
     arm_->restart();
+    forces_before_ = arm_->forces_D().size();
   }
   void plugIn() {
     listener_ = listening(socket_);
@@ -248,18 +254,24 @@ class Emulated {
 
   // What the arm did, and what it goes on to do when nobody writes any more.
   [[nodiscard]] std::string account() {
-    double largest_N = 0, slew_N = 0;
+    double largest_N = 0, slew_N = 0, later_N = 0;
     Vec3 before = Vec3::Zero();
-    for (const Vec3& force : arm_->forces_D()) {
+    for (std::size_t i = 0; i < arm_->forces_D().size(); ++i) {
+      const Vec3& force = arm_->forces_D()[i];
       largest_N = std::max(largest_N, force.norm());
-      slew_N = std::max(slew_N, force.norm() - before.norm());
+      // Down to nothing it may fall at once; towards anything else it goes by steps, whatever its direction.
+      if (force.norm() > 0) slew_N = std::max(slew_N, (force - before).norm());
+      if (forces_before_ > 0 && i >= forces_before_) later_N = std::max(later_N, force.norm());
       before = force;
     }
     arm_->passSilence(0.4);
     const double before_N = arm_->force_D().norm();
     arm_->passSilence(0.2);
-    return fmt::format("{} reports {} force_max_N {} force_rise_max_N {} faults {} left_400ms_N {} left_600ms_N {}\n",
-                       name_, reports_, largest_N, slew_N, reports_of_->faults(), before_N, arm_->force_D().norm());
+    return fmt::format(
+        "{} reports {} force_max_N {} force_rise_max_N {} faults {} left_400ms_N {} left_600ms_N {} silent {} extra {} "
+        "spoiled {} force_after_unplugging_max_N {}\n",
+        name_, reports_, largest_N, slew_N, reports_of_->faults(), before_N, arm_->force_D().norm(),
+        reports_of_->silent(), reports_of_->extra(), reports_of_->spoiled(), later_N);
   }
 
  private:
@@ -275,6 +287,7 @@ class Emulated {
   std::unique_ptr<EmulatedPolhem> arm_;
   std::unique_ptr<EmulatedReports> reports_of_;
   int reports_ = 0;
+  std::size_t forces_before_ = 0;  // ticks before it was unplugged; 0: it was not
   bool there_ = true;
 };
 

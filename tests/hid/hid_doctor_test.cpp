@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate doctor` and `palpate calibrate` on emulated devices: each reason for no force is named, and what helps.
+#include <sys/stat.h>
+
 #include "emulated_program.hpp"
 
 namespace palpate {
@@ -54,7 +56,9 @@ TEST_F(HidDoctor, NamesMissingRightsAndTheRuleThatGivesThem) {
   const Words as_nobody = {"setpriv", "--reuid=65534", "--clear-groups"};
   const Outcome outcome = emulate({"--forbidden"}, as_nobody + Words{PALPATE_PROGRAM, "doctor", "--seconds", "0.2",
                                                                      "--json", "d.json", "--device", "polhem-v1"});
-  expectOff(outcome, "/dev/hidraw0: you have no right to use it; run 'palpate doctor --install-udev'");
+  expectOff(outcome, "you have no right to use /dev/hidraw0; sudo palpate doctor --install-udev");
+  EXPECT_THAT(outcome.out, HasSubstr("(its rule: KERNEL==\"hidraw*\", ATTRS{idVendor}==\"1234\", "
+                                     "ATTRS{idProduct}==\"0006\", MODE=\"0660\", TAG+=\"uaccess\")"));
   EXPECT_THAT(outcome.out, HasSubstr("and you may not use it; sudo palpate doctor --install-udev"));
   EXPECT_THAT(outcome.out, HasSubstr("note  real time"));
   EXPECT_FALSE(json()["hid"][0]["may_use"]);
@@ -132,9 +136,74 @@ TEST_F(HidDoctor, TakesTheUsersTables) {
         "[[device]]\nname = \"mine\"\nfamily = \"polhem-family\"\nwhat = \"my own\"\nusb = [{ id = \"1234:0006\", "
         "report_bytes = 14 }]\n");
   write("palpate/devices/b.toml", "[[device]]\nname = \"other\"\n");
-  const Outcome outcome = doctor({}, {"--device", "mine", "--calibrated", "--current-limit", "3"});
-  EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("b.toml:1:1: a device has no 'family'"));
+  const Words mine = {"--device", "mine", "--calibrated", "--current-limit", "3"};
+  const Words touch = Words{"touch", "phantom:sphere?size=16", "--seconds", "0.2", "--picture", "off"};
+  // One that cannot be read may be the one with the limits of this device: no force is exerted then.
+  expectOff(doctor({}, mine), "a table of devices cannot be read, which may be about it; ");
+  const Outcome refused = on({}, touch + mine);
+  expectRefusal(refused, "--device mine: a table of devices cannot be read", "b.toml:1:1: a device has no 'family'", 2);
+  EXPECT_THAT(on({}, touch + Words{"--device", "other"}).err, HasSubstr("b.toml:1:1: a device has no 'family'"));
+  EXPECT_THAT(on({}, {"doctor", "--device", "other"}).err, HasSubstr("b.toml:1:1: a device has no 'family'"));
+  std::filesystem::remove(file("palpate/devices/b.toml"));
+  EXPECT_EQ(doctor({}, mine).status, 0);
+  EXPECT_EQ(on({}, touch + mine).status, 0);
+}
+
+// What is no file is not waited for, and ends nothing that has to do with no device.
+TEST_F(HidDoctor, LivesWithStrangeThingsAmongTheTables) {
+  std::filesystem::create_directories(file("palpate/devices/folder.toml"));
+  ASSERT_EQ(mkfifo(file("palpate/devices/pipe.toml").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", file("palpate/devices/zero.toml"));
+  write("palpate/devices/large.toml", std::string(2'000'000, '#'));
+  EXPECT_EQ(on({}, {"--version"}).status, 0);
+  EXPECT_EQ(on({}, {"touch", "phantom:sphere?size=16", "--seconds", "0.2", "--picture", "off"}).status, 0);
+  const Outcome outcome = on({}, {"devices"});
+  EXPECT_EQ(outcome.status, 0);
+  for (const char* file : {"folder.toml", "pipe.toml", "zero.toml"})
+    EXPECT_THAT(outcome.err, HasSubstr(std::string(file) + ": the table of devices is no plain file"));
+  EXPECT_THAT(outcome.err, HasSubstr("large.toml: the table of devices has"));
+}
+
+TEST_F(HidDoctor, RefusesNumbersThatAreNone) {
+  for (const char* flag : {"--seconds", "--rate", "--current-limit"}) {
+    for (const char* none : {"nan", "inf", "-1", "0", "1e9"})
+      expectRefusal(on({}, {"doctor", flag, none}), flag, "is no number from", 2);
+  }
+  expectRefusal(on({}, {"doctor", "--device-path", "/dev/hidraw0"}), "--device-path", "--device", 2);
+}
+
+// An answer that is no Enter is no yes.
+TEST_F(HidDoctor, CalibratesOnlyAfterEnter) {
+  const auto answered = [&](const std::string& answer) {
+    return emulate({"--uncalibrated"},
+                   {"sh", "-c", fmt::format("printf '{}' | {} calibrate --device polhem-v1", answer, PALPATE_PROGRAM)});
+  };
+  EXPECT_EQ(answered("\\n").status, 0);
+  EXPECT_EQ(answered("no\\n").status, 2);
+  EXPECT_EQ(answered("").status, 2);
+}
+
+// As another kind it would count from another home.
+TEST_F(HidDoctor, IsNotCalibratedAsAnotherKind) {
+  const std::string program = PALPATE_PROGRAM;
+  const Outcome outcome =
+      emulate({"--uncalibrated"}, {"sh", "-c",
+                                   program + " calibrate --device polhem-v1 --yes && " + program +
+                                       " doctor --seconds 0.2 --device woodenhaptics --current-limit 3"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.out, HasSubstr("forces are off because the device does not know where its handle is"));
+}
+
+// A second program would take away the first one's force, every other report.
+TEST_F(HidDoctor, LeavesADeviceToTheProgramThatUsesIt) {
+  const std::string program = PALPATE_PROGRAM;
+  const Outcome outcome =
+      emulate({"--paced"}, {"sh", "-c",
+                            program +
+                                " touch phantom:sphere?size=16 --device polhem-v1 --calibrated --current-limit 3 "
+                                "--seconds 4 --picture off & sleep 2; " +
+                                program + " doctor --seconds 0.2 --device polhem-v1; wait"});
+  EXPECT_THAT(outcome.out, HasSubstr("another program of Palpate uses it (process "));
 }
 
 }  // namespace hid_doctor_test

@@ -9,7 +9,8 @@ namespace hid_faults_test {
 using testing::HasSubstr;
 
 struct Account {
-  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0, left_400ms_N = 0, left_600ms_N = 0;
+  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0, left_400ms_N = 0, left_600ms_N = 0, silent = 0, extra = 0,
+         spoiled = 0, force_later_N = 0;
 };
 
 class HidFaults : public EmulatedHid {
@@ -19,7 +20,8 @@ class HidFaults : public EmulatedHid {
     Account a;
     std::string word;
     in >> word >> word >> a.reports >> word >> a.force_max_N >> word >> a.force_rise_max_N >> word >> a.faults >>
-        word >> a.left_400ms_N >> word >> a.left_600ms_N;
+        word >> a.left_400ms_N >> word >> a.left_600ms_N >> word >> a.silent >> word >> a.extra >> word >> a.spoiled >>
+        word >> a.force_later_N;
     return a;
   }
   static Words pressing(const std::string& seconds) {
@@ -45,18 +47,42 @@ class HidFaults : public EmulatedHid {
   }
 };
 
-// The force never rises by more than the slew limit of 4000 N/s allows in a tick, and what the motors can round.
+// The force never changes by more than the slew limit allows in a tick, here 0.2 N, and what the motors round (half a
+// milliampere of each: 0.02 N), and each of the faults is in the summary. An answer that comes while the program still
+// reads the one before is of the next exchange, which hides one that is lost: now and then.
 TEST_F(HidFaults, KeepTheForceSafe) {
   writeWay("phantom:sphere?size=64", 4, 2);
-  const Outcome outcome = on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.05", "--log", "log"}, pressing("4"));
+  const Outcome outcome = on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.05", "--log", "log"},
+                             pressing("4") + Words{"--slew-limit", "200", "--force-limit", "0.5"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Account a = account();
   EXPECT_GT(a.faults, 100);
-  EXPECT_LE(a.force_max_N, 5.02);
-  EXPECT_LE(a.force_rise_max_N, 4.02);
-  const double counted =
-      figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible") + figure("reports_superseded");
-  EXPECT_GT(counted, 0.5 * a.faults);
+  EXPECT_GT(a.force_max_N, 0.4);  // the limit is reached
+  EXPECT_LE(a.force_max_N, 0.52);
+  EXPECT_LE(a.force_rise_max_N, 0.22);
+  EXPECT_NEAR(figure("reports_lost"), a.silent, 2 + 0.05 * a.silent);
+  EXPECT_NEAR(figure("reports_superseded"), a.extra, 2 + 0.05 * a.extra);
+  // One in a hundred garbled answers looks like one that is right.
+  EXPECT_NEAR(figure("reports_garbled") + figure("reports_implausible"), a.spoiled, 2 + 0.05 * a.spoiled);
+}
+
+// The switch of the handle is the clutch: no force while it is pressed, the tool stays where it is, and the force comes
+// back from nothing.
+TEST_F(HidFaults, TheClutchTakesTheForceAway) {
+  writeWay("phantom:sphere?size=64", 2, 2);
+  const Outcome outcome =
+      on({"--path", "way.csv", "--at", "0,0,0", "--press", "900:1100", "--log", "log"}, pressing("2"));
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(summary()["faults"].dump(), HasSubstr("force-off"));
+  const Trace trace = readTrace(file("out") / "trace.csv");
+  EXPECT_GT(trace.rows[890].force_N().norm(), 0.1);
+  for (std::size_t i = 905; i < 1095; ++i) {
+    ASSERT_EQ(trace.rows[i].force_N().norm(), 0) << i;
+    ASSERT_LT((trace.rows[i].hip_W() - trace.rows[905].hip_W()).norm(), 1e-12) << i;
+  }
+  EXPECT_GT(trace.rows[1250].force_N().norm(), 0.05);  // the hand has moved meanwhile
+  for (std::size_t i = 1095; i < 1250; ++i)            // it took a tenth of a second
+    ASSERT_LT((trace.rows[i + 1].force_N() - trace.rows[i].force_N()).norm(), 0.1) << i;
 }
 
 TEST_F(HidFaults, AreToldWhenTheCableIsPulled) {
@@ -86,6 +112,8 @@ TEST_F(HidFaults, ACableThatIsPluggedInAgainBringsTheDeviceBackWithoutForce) {
   EXPECT_EQ(figure("reconnects"), 1);
   EXPECT_GT(figure("reports_received"), 1100);   // it answers again
   EXPECT_GT(account().force_max_N, 0.1);  // before
+  EXPECT_EQ(account().force_later_N, 0);  // as the arm took it
+  EXPECT_THAT(outcome.out, HasSubstr("force-off"));
   const Trace trace = readTrace(file("out") / "trace.csv");
   ASSERT_GT(trace.rows.size(), 3000U);
   for (std::size_t i = trace.rows.size() - 1000; i < trace.rows.size(); ++i)

@@ -29,16 +29,21 @@ TEST(UdevRules, HaveARuleForEachPairOfNumbers) {
   for (const DeviceKind& kind : knownDeviceKinds())
     for (const UsbId& usb : kind.usb) ids.emplace(usb.vendor, usb.product);
   EXPECT_EQ(count, 1 + 2 * ids.size());
+  for (const auto& [vendor, product] : ids) {
+    EXPECT_THAT(rules, HasSubstr(udevRule(static_cast<std::uint16_t>(vendor), static_cast<std::uint16_t>(product))));
+  }
 }
 
 TEST(UdevRules, AreWrittenWholeOrRefusedWithTheCommandThatMay) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "70.rules";
-  EXPECT_FALSE(hasUdevRules(file, "a rule\n"));
-  installUdevRules(file, "a rule\n");
-  EXPECT_TRUE(hasUdevRules(file, "a rule\n"));
-  EXPECT_FALSE(hasUdevRules(file, "another\n"));
+  EXPECT_FALSE(hasUdevRule(file, "a rule\n"));
+  installUdevRules(file, "one\na rule\nanother\n");
+  EXPECT_TRUE(hasUdevRule(file, "a rule\n"));
+  EXPECT_FALSE(hasUdevRule(file, "a third\n"));
   EXPECT_THAT(refusalOf([&] { installUdevRules(folder.path() / "none" / "70.rules", "a rule\n"); }, Error::Code::kIo),
+              HasSubstr("none && sudo palpate doctor --install-udev"));
+  EXPECT_THAT(refusalOf([&] { installUdevRules("/proc/70.rules", "a rule\n"); }, Error::Code::kIo),
               HasSubstr("sudo palpate doctor --install-udev"));
 }
 

@@ -83,14 +83,14 @@ TEST(RunNotes, TellOfATextureThatIsCutOff) {
 
 TEST(RunNotes, NothingTouchedIsToldUnlessAFaultTellsWhy) {
   RunFigures figures;
-  EXPECT_THAT(noteOnNoContact(figures, false).value_or(""), HasSubstr("the path meets no surface"));
+  EXPECT_THAT(noteOnNoContact(figures, false, true).value_or(""), HasSubstr("the path meets no surface"));
   figures.faults = {{ServoFault::kOverrun, 3, 0}};
-  EXPECT_TRUE(noteOnNoContact(figures, false));
+  EXPECT_TRUE(noteOnNoContact(figures, false, true));
   figures.faults.push_back({ServoFault::kInsideObject, 3, 0});
-  EXPECT_FALSE(noteOnNoContact(figures, false));
+  EXPECT_FALSE(noteOnNoContact(figures, false, true));
   figures.faults.clear();
   figures.contact_ticks = 1;
-  EXPECT_FALSE(noteOnNoContact(figures, false));
+  EXPECT_FALSE(noteOnNoContact(figures, false, true));
 }
 
 // K times the depth is the force: 500 N/m make 0.0035 N of 0.007 mm, and 0.5 N need 71429 N/m.
@@ -139,9 +139,10 @@ TEST(RunNotes, FaintForcesAreToldWhereTheDepthIsTheReason) {
 // The path may well meet a surface further on.
 TEST(RunNotes, ARunThatEndedEarlyIsNotThePathsFault) {
   RunFigures figures;
-  EXPECT_EQ(noteOnNoContact(figures, true).value_or(""), "nothing was touched until the run was ended");
+  EXPECT_THAT(noteOnNoContact(figures, false, false).value_or(""), HasSubstr("the hand never came to the surface"));
+  EXPECT_EQ(noteOnNoContact(figures, true, true).value_or(""), "nothing was touched until the run was ended");
   figures.contact_ticks = 1;
-  EXPECT_FALSE(noteOnNoContact(figures, true));
+  EXPECT_FALSE(noteOnNoContact(figures, true, true));
 }
 
 const std::vector<PathPhase> kPhases = {{"approach", 0, 1}, {"press", 1, 2}, {"slide", 2, 4}, {"retreat", 4, 5}};

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/devices/hid_lock.hpp: a HID device for one program of Palpate at a time.
+//
+// Linux lets any number of programs write to one device by hidraw: a second one that only looks would take away, every
+// other millisecond, the force that the first one asks for. A lock file in the user's runtime folder, or where there is
+// none in /run/lock, is held as long as the port is open, and no longer than the process lives. Where neither folder
+// can be used there is no lock. Set-up code, and the link's thread when a device comes back.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "servo/hid/hid.hpp"
+
+namespace palpate {
+
+// Throws Error as openHid() does, and kDevice if another program holds the device, with which one.
+[[nodiscard]] std::unique_ptr<ReportPort> openHidAlone(const std::string& path, HidBackEnd back_end);
+
+}  // namespace palpate
