@@ -2,6 +2,7 @@
 // palpate devices: the haptic devices that Palpate knows and which of them are here, and the Vulkan devices of this
 // machine, best first.
 #include <algorithm>
+#include <memory>
 
 #include <fmt/format.h>
 
@@ -70,12 +71,28 @@ void printVulkanDevices() {
   }
 }
 
+// Of the families: what a table of the user's may set.
+void printValues() {
+  for (const DeviceEntry& entry : devices()) {
+    if (!entry.needs_port) continue;
+    printResult("{}: {}\n", entry.name, entry.description);
+    printResult("  {:<26} {:<9} {:>10} {:>23}  {}\n", "value", "unit", "usual", "range", "what it is");
+    for (const DeviceParameter& p : entry.parameters()) {
+      printResult("  {:<26} {:<9} {:>10g} {:>23}  {}\n", p.key, p.unit, p.usual,
+                  fmt::format("{:g} to {:g}{}", p.lowest, p.highest, p.is_whole ? ", whole" : ""), p.help);
+    }
+  }
+}
+
 }  // namespace
 
 void addDevicesVerb(CLI::App& app) {
   CLI::App* verb =
       app.add_subcommand("devices", "list haptic devices, and the Vulkan devices of this machine, best first");
-  verb->callback([] {
+  const auto values = std::make_shared<bool>(false);
+  verb->add_flag("--values", *values, "list what a table of a device of your own may set instead (docs/devices.md)");
+  verb->callback([values] {
+    if (*values) return printValues();
     printHapticDevices();
     printHidDevices();
     printVulkanDevices();

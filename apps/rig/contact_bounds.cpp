@@ -109,6 +109,15 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
   return most < wanted ? twoDigits(most, std::floor) : wanted;
 }
 
+double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  const double asked = settings.parameters.damping_Ns_per_m;
+  if (!device.limits().follows_force || !algorithmEntry(settings.algorithm).traits.shows_surface) return asked;
+  double most = asked;
+  for (const HandParameters& hand : device.hands())
+    most = std::min(most, 0.5 * dampingBound(sampledLoop(loop, device, hand), kSoftest_N_per_m));
+  return most < asked ? twoDigits(most, std::floor) : asked;
+}
+
 std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   if (device.hands().empty() || loop.passivity.control || !mayShake(settings, loop, device)) return {};
   if (!algorithmEntry(settings.algorithm).traits.shows_surface) return {};

@@ -105,8 +105,7 @@ LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& b
 }
 
 void TouchRig::start(Follow follow) {
-  // The first window may wait for the driver's compiler; that it still holds is said when it is there.
-  for (int turn = 0; turn < 2; ++turn) engine_.publishFor(tool_.latest(), monotonicNow_ns());
+  engine_.publishFor(tool_.latest(), monotonicNow_ns());
   const auto work = [this, follow = std::move(follow)](const ToolPose& pose, std::int64_t now_ns) {
     if (follow) follow(pose, now_ns);
     look(pose, now_ns, false);

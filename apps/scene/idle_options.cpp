@@ -24,8 +24,11 @@ bool isReal(const Scene& scene) {
 bool isRecorded(const Scene& scene) {
   return scene.device == "recorded";
 }
+bool isSimulated(const Scene& scene) {
+  return !isReal(scene) && !isRecorded(scene);
+}
 bool hasSpringHand(const Scene& scene) {
-  return scene.spring_hand && !isReal(scene) && !isRecorded(scene);
+  return scene.spring_hand || !isSimulated(scene);  // another device has a reason of its own
 }
 bool buildsPath(const Scene& scene) {
   return scene.path_file.empty() && !isReal(scene) && !isRecorded(scene);
@@ -52,6 +55,7 @@ bool draws(const Scene& scene) {
 constexpr const char* kSpringOnly =
     "only a simulated hand that is a spring has it: with --hand rigid the tool is on its path whatever it feels; give "
     "--hand spring";
+constexpr const char* kSimulatedOnly = "only --device simulated has it: a hand leads this one";
 constexpr const char* kNoSurface = "this --algorithm has no surface to be stiff; its tables say how hard it pushes";
 constexpr const char* kNoBuiltPath = "the tool's way is that of --path, or of a real --device";
 constexpr const char* kNoReal = "only a real --device has it; 'palpate devices' lists them";
@@ -72,6 +76,16 @@ const IdleOption kIdleOptions[] = {
     {"--texture-wavelength", [](const Scene& s) { return s.texture == "procedural"; },
      "only --texture procedural uses it"},
     {"--texture-gain", [](const Scene& s) { return s.texture == "density"; }, "only --texture density uses it"},
+    {"--hand", isSimulated, kSimulatedOnly},
+    {"--encoder", isSimulated, kSimulatedOnly},
+    {"--delay", isSimulated, kSimulatedOnly},
+    {"--dropped", isSimulated, kSimulatedOnly},
+    {"--hand-mass", isSimulated, kSimulatedOnly},
+    {"--hand-damping", isSimulated, kSimulatedOnly},
+    {"--hand-stiffness", isSimulated, kSimulatedOnly},
+    {"--device-mass", isSimulated, kSimulatedOnly},
+    {"--device-damping", isSimulated, kSimulatedOnly},
+    {"--device-friction", isSimulated, kSimulatedOnly},
     {"--hand-mass", hasSpringHand, kSpringOnly},
     {"--hand-damping", hasSpringHand, kSpringOnly},
     {"--hand-stiffness", hasSpringHand, kSpringOnly},

@@ -67,6 +67,10 @@ constexpr const char* kTextures[] = {"none", "procedural", "density"};
 const std::string kStiffnessHelp = fmt::format(
     "stiffness of the contact, K; if not given {:g}, or what a device that is held bears", kUsualStiffness_N_per_m);
 
+const std::string kDampingHelp = fmt::format(
+    "damping of the contact along the normal, B; if not given {:g}, or what a device that is held bears",
+    kUsualDamping_Ns_per_m);
+
 // clang-format off
 const SceneOption kOptions[] = {
     {"--volume", "volume", "", "file, DICOM folder or 'phantom:NAME?size=64&noise=0.05'", TextOption{&Scene::volume}},
@@ -90,7 +94,7 @@ const SceneOption kOptions[] = {
     {"--algorithm", "servo.algorithm", "", "haptic algorithm", WordOption{&Scene::algorithm, algorithmNames()}},
     {"--n", "servo.n", "ticks", "the virtual plane is found again every n ticks", integer(&Scene::plane_renewal_ticks, 1, 100000)},
     {"--stiffness", "servo.stiffness_N_per_m", "N/m", kStiffnessHelp.c_str(), NumberOption{&Scene::stiffness_N_per_m, 1, 0, 1e5}},
-    {"--damping", "servo.damping_Ns_per_m", "N s/m", "damping of the contact along the normal, B", number(&Scene::damping_Ns_per_m, 1, 0, 1000)},
+    {"--damping", "servo.damping_Ns_per_m", "N s/m", kDampingHelp.c_str(), NumberOption{&Scene::damping_Ns_per_m, 1, 0, 1000}},
     {"--rate", "servo.rate_hz", "Hz", "servo rate", number(&Scene::rate_hz, 1, 10, 20000)},
     {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},
     {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",

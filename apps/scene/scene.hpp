@@ -42,7 +42,7 @@ struct Scene {
   std::string algorithm = defaultAlgorithm();
   int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks
   std::optional<double> stiffness_N_per_m;  // empty: usual, or what a device that is held bears
-  double damping_Ns_per_m = 0.5;
+  std::optional<double> damping_Ns_per_m;   // likewise
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
@@ -124,6 +124,10 @@ struct Scene {
 inline constexpr double kUsualStiffness_N_per_m = 500;
 [[nodiscard]] inline double stiffnessOf(const Scene& scene) noexcept {
   return scene.stiffness_N_per_m.value_or(kUsualStiffness_N_per_m);
+}
+inline constexpr double kUsualDamping_Ns_per_m = 0.5;
+[[nodiscard]] inline double dampingOf(const Scene& scene) noexcept {
+  return scene.damping_Ns_per_m.value_or(kUsualDamping_Ns_per_m);
 }
 
 }  // namespace palpate

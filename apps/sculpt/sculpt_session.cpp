@@ -153,6 +153,7 @@ void SculptSession::start() {
   if (!rig_) {
     HeldDevice held = placeHeldDevice(held_device_, scene_, boxOf(facts_.lattice, facts_.size));
     device_ = std::move(held.device);
+    first_settings_.parameters.damping_Ns_per_m = usualDamping(first_settings_, loop_, *device_);
     first_settings_.parameters.stiffness_N_per_m = usualStiffness(first_settings_, loop_, *device_);
     for (const std::string& words :
          heldDeviceWords(scene_.device, *device_, held.placement, first_settings_.parameters.stiffness_N_per_m))

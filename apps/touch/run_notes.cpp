@@ -86,7 +86,8 @@ std::optional<std::string> noteOnNoContact(const RunFigures& figures, bool ended
                                 [](const FaultCount& count) { return count.fault == ServoFault::kInsideObject; });
   if (figures.contact_ticks > 0 || told) return {};
   if (ended_early) return "nothing was touched until the run was ended";
-  if (!has_path) return "nothing was touched: the hand never came to the surface; see --place-at, --place-scale and --iso";
+  if (!has_path)
+    return "nothing was touched: the hand never came to the surface; see --place-at, --place-scale and --iso";
   return "nothing was touched: the path meets no surface; look at --start, --toward, --depth or --path";
 }
 

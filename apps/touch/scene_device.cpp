@@ -40,9 +40,7 @@ SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBo
     return {.device = makeDevice(scene.device, deviceSetup(scene, path)), .placement = std::nullopt};
   DeviceSetup setup{.rate_hz = scene.rate_hz};
   setup.recording = loadRecording(scene.recording);
-  return {.device = makeDevice(scene.device, setup),
-          .placement = std::nullopt,
-          .stiffness_N_per_m = setup.recording->stiffness_N_per_m};
+  return {.device = makeDevice(scene.device, setup), .placement = std::nullopt, .session = setup.recording->contact};
 }
 
 RunDevice deviceOfRun(const std::string& name, const Device& device) {

@@ -13,6 +13,7 @@
 #include "apps/scene/scene.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/devices/path.hpp"
+#include "servo/devices/recording.hpp"
 
 namespace palpate {
 
@@ -24,8 +25,8 @@ void checkDevice(const Scene& scene);
 
 struct SceneDevice {
   std::unique_ptr<Device> device;
-  std::optional<Placement> placement;  // of a device that is held
-  double stiffness_N_per_m = 0;  // that a recorded session was felt with; 0: not known, or none was recorded [N/m]
+  std::optional<Placement> placement;           // of a device that is held
+  std::optional<RecordedContact> session = {};  // with which a recorded session was felt
 };
 // `path` leads a simulated device.
 [[nodiscard]] SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBox& box);

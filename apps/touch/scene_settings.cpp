@@ -76,7 +76,7 @@ RigSettings rigSettings(const Scene& scene, double isovalue) {
   RigSettings settings{.algorithm = scene.algorithm,
                        .parameters = {.isovalue = isovalue,
                                       .stiffness_N_per_m = stiffnessOf(scene),
-                                      .damping_Ns_per_m = scene.damping_Ns_per_m,
+                                      .damping_Ns_per_m = dampingOf(scene),
                                       .plane_renewal_ticks = scene.plane_renewal_ticks,
                                       .rate_hz = scene.rate_hz},
                        .effects = effectParameters(scene),
@@ -95,7 +95,7 @@ double lackingDamping(const Scene& scene, const DeviceLimits& device) {
   double factor = scene.stiffness_density.empty() ? 1 : 0;
   for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
   const double needed_Ns_per_m = stiffnessOf(scene) * factor * (0.5 + device.force_delay_ticks) / scene.rate_hz;
-  return std::max(0.0, needed_Ns_per_m - scene.damping_Ns_per_m);
+  return std::max(0.0, needed_Ns_per_m - dampingOf(scene));
 }
 
 }  // namespace palpate

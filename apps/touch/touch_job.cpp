@@ -341,6 +341,7 @@ void TouchJob::load() {
   checkIsovalue(*volume_, isovalue_);
   run_.scene.isovalue = isovalue_;
   run_.scene.stiffness_N_per_m = stiffnessOf(scene_);
+  run_.scene.damping_Ns_per_m = dampingOf(scene_);
   run_.volume = volumeOf(*volume_, isovalue_);
   box_ = boxOf(volume_->lattice(), volume_->size());
 }
@@ -410,10 +411,15 @@ void TouchJob::readyDevice() {
     recorder_ = recorder.get();
     device_ = std::move(recorder);
   }
-  if (!scene_.stiffness_N_per_m && made.stiffness_N_per_m > 0) run_.scene.stiffness_N_per_m = made.stiffness_N_per_m;
+  if (made.session) {
+    if (!scene_.stiffness_N_per_m) run_.scene.stiffness_N_per_m = made.session->stiffness_N_per_m;
+    if (!scene_.damping_Ns_per_m) run_.scene.damping_Ns_per_m = made.session->damping_Ns_per_m;
+  }
   if (!made.placement) return;
+  if (!scene_.damping_Ns_per_m)
+    run_.scene.damping_Ns_per_m = usualDamping(rigSettings(scene_, isovalue_), loopParameters(scene_), *device_);
   if (!scene_.stiffness_N_per_m)
-    run_.scene.stiffness_N_per_m = usualStiffness(rigSettings(scene_, isovalue_), loopParameters(scene_), *device_);
+    run_.scene.stiffness_N_per_m = usualStiffness(rigSettings(run_.scene, isovalue_), loopParameters(scene_), *device_);
   for (const std::string& warning : heldDeviceWords(scene_.device, *device_, *made.placement, stiffnessOf(run_.scene)))
     warn(warning);
 }
@@ -453,7 +459,7 @@ void TouchJob::feel() {
   if (isHeld(scene_)) run_.device = deviceOfRun(scene_.device, *device_);
   if (recorder_ != nullptr) {
     recording_ = recorder_->recording();
-    recording_->stiffness_N_per_m = stiffnessOf(run_.scene);
+    recording_->contact = {stiffnessOf(run_.scene), dampingOf(run_.scene)};
   }
   recorder_ = nullptr;
   device_.reset();  // its threads end; it was told to exert no force
@@ -471,11 +477,12 @@ void TouchJob::assess() {
   run_.exact = exactErrorsOf(run_);
   Scene asked = scene_;  // with the way that was asked for, not the one that was chosen
   asked.stiffness_N_per_m = run_.scene.stiffness_N_per_m;
+  asked.damping_Ns_per_m = run_.scene.damping_Ns_per_m;
   for (const auto& note :
        {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
         noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(asked, *run_.figures),
-        noteOnNoContact(*run_.figures, !run_.ended_early.empty(), hasPath(scene_)), noteOnHand(scene_, *run_.figures, run_.phases),
-        noteOnBrush(run_.scene, *run_.figures)}) {
+        noteOnNoContact(*run_.figures, !run_.ended_early.empty(), hasPath(scene_)),
+        noteOnHand(scene_, *run_.figures, run_.phases), noteOnBrush(run_.scene, *run_.figures)}) {
     if (note) run_.notes.push_back(*note);
   }
 }

@@ -17,6 +17,10 @@ bool Engine::publishFor(const ToolPose& tool, std::int64_t now_ns) {
   return parts_->publishFor(tool, now_ns);
 }
 
+void Engine::confirmWindow(std::int64_t now_ns) noexcept {
+  parts_->confirmWindow(now_ns);
+}
+
 void Engine::forgetWindow() noexcept {
   parts_->forgetWindow();
 }

@@ -50,6 +50,9 @@ class Engine {
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   // As publishAround(), around the point where this tool needs the window (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
+  // Says that the last window still holds, wherever the tool is; nothing where there is none, or where edits have broken
+  // the volume.
+  void confirmWindow(std::int64_t now_ns) noexcept;
   // The next of these calls gathers a window wherever the tool is, and computes what gradients it needs, as that of a
   // new engine does. Between two runs.
   void forgetWindow() noexcept;

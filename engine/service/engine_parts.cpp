@@ -156,6 +156,10 @@ void EngineParts::computeGradients(const Volume& volume, const Plan& plan, const
   smoothing_.reset();
 }
 
+void EngineParts::confirmWindow(std::int64_t now_ns) noexcept {
+  if (published_ && !(editor_ && editor_->broken())) exchange_->confirm(now_ns);
+}
+
 void EngineParts::forgetWindow() noexcept {
   published_.reset();
   for (std::size_t brick = 0; brick < needs_gradient_.size(); ++brick)

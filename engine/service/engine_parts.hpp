@@ -38,6 +38,7 @@ class EngineParts {
               std::uint64_t gpu_memory_bytes, const Engine::StartProgress& progress);
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
+  void confirmWindow(std::int64_t now_ns) noexcept;
   void forgetWindow() noexcept;
   void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds);
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, const BeforeChange& before);

@@ -43,7 +43,10 @@ void EngineThread::run() {
   try {
     while (!stopping_.load(std::memory_order_relaxed)) {
       const ToolPose& pose = poses_.latest();
-      if (pose.tick >= 0 && engine_.publishFor(pose, now_ns())) {
+      // Before the first tick, whose thread may take long to begin, the first window is as good as it was.
+      if (pose.tick < 0) {
+        engine_.confirmWindow(now_ns());
+      } else if (engine_.publishFor(pose, now_ns())) {
         publications_.fetch_add(1, std::memory_order_relaxed);
       }
       const bool waits = pose.tick >= 0 && follow_ && follow_(pose, now_ns());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/service/engine_thread.hpp: the engine's thread while the servo runs in real time. It follows the tool and
-// publishes windows.
+// publishes windows. Until the servo's first tick it confirms the window that is there, if one is.
 //
 // If the thread fails, it no longer confirms windows. The servo then fades its force out (fault: stale window), and
 // stop() rethrows the failure. One thread constructs and stops this object. In between, the Engine belongs to the

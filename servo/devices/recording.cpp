@@ -20,7 +20,7 @@ constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
 constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0xffffff;
-constexpr unsigned kOffShift = 24;  // why there is no force lies in the high byte of the periods
+constexpr unsigned kOffShift = 24;      // why there is no force lies in the high byte of the periods
 constexpr double kMostRate_hz = 20000;  // ServoLoop's
 constexpr int kMostDelay_ticks = 10000;
 
@@ -65,7 +65,8 @@ class Taker {
 std::string headerBytes(const Recording& r) {
   std::string bytes;
   put(bytes, r.rate_hz);
-  put(bytes, r.stiffness_N_per_m);
+  put(bytes, r.contact.stiffness_N_per_m);
+  put(bytes, r.contact.damping_Ns_per_m);
   for (const double limit : {r.limits.force_limit_N, r.limits.position_resolution_m, r.limits.slew_limit_N_per_s,
                              r.limits.stiffness_limit_N_per_m, r.limits.workspace_radius_m})
     put(bytes, limit);
@@ -91,10 +92,10 @@ void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W)
   const bool edge = tick.boundary.stored_J != 0 || !tick.boundary.force_W.isZero(0);
   const bool unusual = tick.elapsed_ticks != kUsualElapsed || tick.force_off != ForceOff::kNone;
   const auto flag = [](bool on, std::uint8_t bit) { return on ? bit : std::uint8_t{0}; };
-  put(bytes, static_cast<std::uint8_t>(
-                 flag(tick.answered, kAnswered) | flag(moved, kMoved) | flag(tick.report_age_ns != 0, kAged) |
-                 flag(tick.taken, kTaken) | flag(tick.held_differs, kHeld) | flag(edge, kEdge) |
-                 flag(tick.pressed, kSwitchOn) | flag(unusual, kElapsed)));
+  put(bytes, static_cast<std::uint8_t>(flag(tick.answered, kAnswered) | flag(moved, kMoved) |
+                                       flag(tick.report_age_ns != 0, kAged) | flag(tick.taken, kTaken) |
+                                       flag(tick.held_differs, kHeld) | flag(edge, kEdge) |
+                                       flag(tick.pressed, kSwitchOn) | flag(unusual, kElapsed)));
   if (unusual) {
     const auto periods = static_cast<std::uint32_t>(std::min(tick.elapsed_ticks, kMostElapsed));
     put(bytes, periods | static_cast<std::uint32_t>(tick.force_off) << kOffShift);
@@ -148,9 +149,9 @@ std::optional<std::vector<RecordedTick>> ticksOf(std::string_view block, std::ui
 bool canBe(const Recording& r) {
   const DeviceLimits& l = r.limits;
   bool can = r.rate_hz >= 1 && r.rate_hz <= kMostRate_hz && l.force_delay_ticks >= 0 &&
-             l.force_delay_ticks <= kMostDelay_ticks && r.stiffness_N_per_m >= 0 && std::isfinite(r.stiffness_N_per_m);
+             l.force_delay_ticks <= kMostDelay_ticks;
   for (const double limit : {l.force_limit_N, l.position_resolution_m, l.slew_limit_N_per_s, l.stiffness_limit_N_per_m,
-                             l.workspace_radius_m})
+                             l.workspace_radius_m, r.contact.stiffness_N_per_m, r.contact.damping_Ns_per_m})
     can = can && limit >= 0 && std::isfinite(limit);
   for (const HandParameters& h : r.hands) {
     for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
@@ -164,7 +165,8 @@ bool canBe(const Recording& r) {
 Recording takeHeader(Taker& taker) {
   Recording r;
   r.rate_hz = taker.take<double>();
-  r.stiffness_N_per_m = taker.take<double>();
+  r.contact.stiffness_N_per_m = taker.take<double>();
+  r.contact.damping_Ns_per_m = taker.take<double>();
   for (double* limit : {&r.limits.force_limit_N, &r.limits.position_resolution_m, &r.limits.slew_limit_N_per_s,
                         &r.limits.stiffness_limit_N_per_m, &r.limits.workspace_radius_m})
     *limit = taker.take<double>();

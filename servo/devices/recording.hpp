@@ -27,10 +27,16 @@ struct RecordedTick {
   Vec3 held_W = Vec3::Zero();  // if held_differs [N]
 };
 
+// What the session's surface was like: a device that is held may have brought it.
+struct RecordedContact {
+  double stiffness_N_per_m = 0;  // K [N/m]
+  double damping_Ns_per_m = 0;   // B [N s/m]
+};
+
 struct Recording {
-  std::string device;            // its name
-  double rate_hz = 0;            // of the servo [Hz]
-  double stiffness_N_per_m = 0;  // of the contact in the session; 0: not known [N/m]
+  std::string device;  // its name
+  double rate_hz = 0;  // of the servo [Hz]
+  RecordedContact contact = {};
   DeviceLimits limits = {};
   std::vector<HandParameters> hands = {};
   std::vector<RecordedTick> ticks = {};

@@ -2,6 +2,8 @@
 // How the tool is moved: by a hand that yields, along a path from a file, by another algorithm.
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "program_test.hpp"
 #include "trace.hpp"
 
@@ -140,10 +142,47 @@ TEST_F(Recorded, ASimulatedSessionIsPlayedBackBitForBit) {
   EXPECT_EQ(contentsOf(file("again") / "trace.csv"), trace);
 }
 
+// The session's contact comes with it; what is given goes first.
+TEST_F(Recorded, IsFeltWithTheStiffnessOfTheSession) {
+  expectSuccess(
+      run(quickTouch("phantom:sphere?size=24", {"--stiffness", "321", "--damping", "0.25", "--record", "s.rec"})));
+  const auto felt = [&](const Words& more) {
+    expectSuccess(run(Words{"touch", "phantom:sphere?size=24", "--device", "recorded", "--recording", "s.rec",
+                            "--clock", "simulated", "--picture", "off", "--out", "again"} +
+                      more));
+    const auto servo = nlohmann::json::parse(contentsOf(file("again") / "summary.json"))["scene"]["servo"];
+    return std::pair<double, double>(servo["stiffness_N_per_m"], servo["damping_Ns_per_m"]);
+  };
+  EXPECT_EQ(felt({}), std::pair(321.0, 0.25));
+  EXPECT_EQ(felt({"--stiffness", "200"}), std::pair(200.0, 0.25));
+  EXPECT_EQ(felt({"--damping", "1"}), std::pair(321.0, 1.0));
+}
+
+// A recording takes the place of an earlier one and of nothing else: no other result of the run, no file of the user's.
+TEST_F(Recorded, ReplacesRecordingsOnly) {
+  const std::string sphere = "phantom:sphere?size=16";
+  const auto refused = [&](const Words& more, const std::string& words) {
+    const Outcome outcome = run(quickTouch(sphere, more));
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(words));
+  };
+  refused({"--edit", "remove:radius=1mm", "--save", "s.vdb", "--record", "s.vdb"}, "named for two of the outputs");
+  for (const char* result : {"summary.json", "report.html", "trace.csv", "view.png"})
+    refused({"--record", std::string("out/") + result}, "named for two of the outputs");
+  write("precious.txt", "mine");
+  refused({"--record", "precious.txt"}, "precious.txt: it is there, and is no recording");
+  EXPECT_EQ(contentsOf(file("precious.txt")), "mine");
+  EXPECT_FALSE(exists("s.vdb"));
+  expectSuccess(run(quickTouch(sphere, {"--record", "s.rec"})));
+  expectSuccess(run(quickTouch(sphere, {"--record", "s.rec"})));
+}
+
 TEST_F(Recorded, RefusesWhatCannotBePlayed) {
   const Words touch = {"touch", "phantom:sphere?size=16", "--device", "recorded"};
   expectRefusal(run(touch), "--device recorded", "no recording is given", 2);
   expectRefusal(run(touch + Words{"--recording", "none.rec"}), "none.rec", "cannot be opened", 3);
+  expectRefusal(run(touch + Words{"--recording", "."}), ".", "the recording is no plain file", 2);
+  expectRefusal(run(touch + Words{"--recording", "/dev/zero"}), "/dev/zero", "the recording is no plain file", 2);
   write("text.rec", "no recording");
   expectRefusal(run(touch + Words{"--recording", "text.rec"}), "text.rec", "it is no recording of a device", 2);
   expectSuccess(run(quickTouch("phantom:sphere?size=16", {"--record", "s.rec"})));

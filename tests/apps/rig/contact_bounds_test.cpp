@@ -209,6 +209,32 @@ TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {
   EXPECT_EQ(usualStiffness(settings, loop, made), 500);
 }
 
+// Half of the damping that is stable in the worst hand, where that is less than what is asked for: with it some wall is
+// stable, and nothing is warned about.
+TEST(ContactBounds, TheUsualDampingLeavesAWall) {
+  RigSettings settings;
+  settings.parameters.damping_Ns_per_m = 0.5;
+  LoopParameters loop;
+  const AnyHand device;
+  EXPECT_EQ(usualDamping(settings, loop, device), 0.5);
+  loop.rate_hz = 20;  // slow enough that the usual damping is beyond
+  settings.parameters.rate_hz = 20;
+  double least = 1e9;
+  for (const TypicalHand& hand : kTypicalHands)
+    least = std::min(least, dampingBound({.hand = hand.holding({}), .rate_hz = 20}, kSoftest_N_per_m));
+  settings.parameters.damping_Ns_per_m = 10 * least;
+  const double damping = usualDamping(settings, loop, device);
+  EXPECT_LE(damping, 0.5 * least);
+  EXPECT_GT(damping, 0.5 * 0.9 * least);
+  settings.parameters.damping_Ns_per_m = damping;
+  settings.parameters.stiffness_N_per_m = usualStiffness(settings, loop, device);
+  EXPECT_GT(settings.parameters.stiffness_N_per_m, 0);
+  EXPECT_THAT(boundWarnings(settings, loop, device), testing::IsEmpty());
+  settings.algorithm = "haptization";
+  settings.parameters.damping_Ns_per_m = 10 * least;
+  EXPECT_EQ(usualDamping(settings, loop, device), 10 * least);
+}
+
 TEST(ContactBounds, TheWorstHandCounts) {
   double worst = 1e9, best = 0;
   for (const TypicalHand& hand : kTypicalHands) {

@@ -23,7 +23,7 @@ Recording anyRecording(unsigned seed, int ticks) {
   Seeded random(seed);
   Recording r{.device = "any \xC3\xA9",
               .rate_hz = random.between(100, 20000),
-              .stiffness_N_per_m = random.between(0, 1e5)};
+              .contact = {random.between(0, 1e5), random.between(0, 100)}};
   r.limits = {.force_limit_N = random.between(0, 10),
               .position_resolution_m = random.between(0, 1e-4),
               .force_delay_ticks = random.pick(5),
@@ -37,6 +37,7 @@ Recording anyRecording(unsigned seed, int ticks) {
     RecordedTick t;
     t.elapsed_ticks = random.pick(3) == 0 ? random.pick(1000) : 1;
     t.answered = random.pick(5) != 0;
+    if (random.pick(4) == 0) t.force_off = static_cast<ForceOff>(random.pick(7));
     t.pressed = random.pick(2) == 0;
     t.taken = random.pick(5) != 0;
     if (random.pick(2) == 0) at = random.inCube(1);
@@ -59,10 +60,10 @@ bool same(const RecordedTick& a, const RecordedTick& b) {
     };
     return std::equal(u.data(), u.data() + 3, v.data(), equal);
   };
-  return a.elapsed_ticks == b.elapsed_ticks && a.answered == b.answered && a.pressed == b.pressed &&
-         a.taken == b.taken && a.held_differs == b.held_differs && a.report_age_ns == b.report_age_ns &&
-         bits(a.position_W, b.position_W) && bits(a.held_W, b.held_W) && bits(a.boundary.force_W, b.boundary.force_W) &&
-         a.boundary.stored_J == b.boundary.stored_J;
+  return a.elapsed_ticks == b.elapsed_ticks && a.force_off == b.force_off && a.answered == b.answered &&
+         a.pressed == b.pressed && a.taken == b.taken && a.held_differs == b.held_differs &&
+         a.report_age_ns == b.report_age_ns && bits(a.position_W, b.position_W) && bits(a.held_W, b.held_W) &&
+         bits(a.boundary.force_W, b.boundary.force_W) && a.boundary.stored_J == b.boundary.stored_J;
 }
 
 TEST(Recording, ComesBackToTheBit) {
@@ -72,7 +73,8 @@ TEST(Recording, ComesBackToTheBit) {
     EXPECT_TRUE(back.is_whole);
     EXPECT_EQ(back.device, r.device);
     EXPECT_EQ(back.rate_hz, r.rate_hz);
-    EXPECT_EQ(back.stiffness_N_per_m, r.stiffness_N_per_m);
+    EXPECT_EQ(back.contact.stiffness_N_per_m, r.contact.stiffness_N_per_m);
+    EXPECT_EQ(back.contact.damping_Ns_per_m, r.contact.damping_Ns_per_m);
     EXPECT_EQ(back.limits.force_limit_N, r.limits.force_limit_N);
     EXPECT_EQ(back.limits.position_resolution_m, r.limits.position_resolution_m);
     EXPECT_EQ(back.limits.force_delay_ticks, r.limits.force_delay_ticks);
@@ -151,9 +153,12 @@ TEST(Recording, RefusesWhatIsNone) {
     EXPECT_THAT(refusal(recordingBytes(odd)), HasSubstr("its header is damaged")) << rate;
   }
   for (const double stiffness : {-1.0, HUGE_VAL, std::nan("")}) {
-    Recording odd = anyRecording(1, 3);
-    odd.stiffness_N_per_m = stiffness;
-    EXPECT_THAT(refusal(recordingBytes(odd)), HasSubstr("its header is damaged")) << stiffness;
+    for (double RecordedContact::*const part :
+         {&RecordedContact::stiffness_N_per_m, &RecordedContact::damping_Ns_per_m}) {
+      Recording odd = anyRecording(1, 3);
+      odd.contact.*part = stiffness;
+      EXPECT_THAT(refusal(recordingBytes(odd)), HasSubstr("its header is damaged")) << stiffness;
+    }
   }
   Recording odd = anyRecording(1, 3);
   odd.limits.force_limit_N = -1;
