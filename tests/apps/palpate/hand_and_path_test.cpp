@@ -164,7 +164,7 @@ TEST_F(Recorded, ReplacesRecordingsOnly) {
   const auto refused = [&](const Words& more, const std::string& words) {
     const Outcome outcome = run(quickTouch(sphere, more));
     EXPECT_EQ(outcome.status, 2) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr(words));
+    EXPECT_THAT(outcome.err, testing::HasSubstr(words));
   };
   refused({"--edit", "remove:radius=1mm", "--save", "s.vdb", "--record", "s.vdb"}, "named for two of the outputs");
   for (const char* result : {"summary.json", "report.html", "trace.csv", "view.png"})
