@@ -105,8 +105,8 @@ void checkEarly(const Scene& scene, const ContactObjects& objects) {
   velocity.name = scene.velocity;
   (void)VelocityEstimate(velocity, scene.rate_hz);
   checkEditOptions(scene);
-  checkDevice(scene);
   checkFilesDiffer(scene);
+  checkDevice(scene);
   if (scene.require_real_time && !scene.simulated_clock) checkRealTime(LoopParameters{}.priority);
   if (scene.path_file.empty()) checkRunLength(scene, availableMemoryBytes());
 }

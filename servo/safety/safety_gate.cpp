@@ -72,7 +72,8 @@ std::uint32_t SafetyGate::faultsOf(const GateInput& in) const noexcept {
 GateOutput SafetyGate::pass(const GateInput& in) noexcept {
   std::uint32_t faults = faultsOf(in);
   const bool faulty = (faults & kFadingFaults) != 0;
-  if (has(faults, ServoFault::kStall)) authority_ticks_ = 0;
+  // Of a device that exerts no force nothing is left to fade.
+  if (has(faults, ServoFault::kStall) || has(faults, ServoFault::kForceOff)) authority_ticks_ = 0;
   if (faulty && !fading_) {
     fade_from_W_ = held_W_;
     fade_from_ticks_ = authority_ticks_;
@@ -81,7 +82,9 @@ GateOutput SafetyGate::pass(const GateInput& in) noexcept {
   if (faulty) {
     // kSlewLimited is not raised here. The slew limit is part of the fade; it holds the force back only after a stall
     // or refused writes.
-    static_cast<void>(offerTowards(withinLimit(faded())));
+    // A device that let its force go by itself does not get a part of it back.
+    const Vec3 left_W = withinLimit(faded());
+    static_cast<void>(offerTowards(left_W.stableNorm() > held_W_.stableNorm() ? held_W_ : left_W));
   } else if (!offerTowards(limited(in.wanted_W, faults))) {
     faults |= bit(ServoFault::kSlewLimited);
   }

@@ -101,7 +101,7 @@ TEST_F(FullDisk, AResultIsNamedByItsPlace) {
 
 // A recording of 60,000 ticks takes more than 24 bytes a tick. It is written last, so that the report is there.
 TEST_F(FullDisk, ARecordingThatFindsNoRoomLeavesTheReport) {
-  write("s.rec", "old");
+  write("s.rec", "PALPREC: an old one");
   const Outcome outcome =
       runPalpate({.arguments = {"touch", "phantom:sphere?size=16", "--seconds", "6", "--rate", "10000", "--clock",
                                 "simulated", "--picture", "off", "--trace", "off", "--record", "s.rec", "--out", "out"},
@@ -110,7 +110,7 @@ TEST_F(FullDisk, ARecordingThatFindsNoRoomLeavesTheReport) {
   expectRefusal(outcome, "s.rec", "make room", 4);
   EXPECT_EQ(nlohmann::json::parse(contentsOf(file("out") / "summary.json"))["servo"]["ticks"], 60'000);
   EXPECT_TRUE(exists("out/report.html"));
-  EXPECT_EQ(contentsOf(file("s.rec")), "old");
+  EXPECT_EQ(contentsOf(file("s.rec")), "PALPREC: an old one");
   for (const auto& entry : std::filesystem::directory_iterator(folder()))
     EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr("palpate-part")));
 }

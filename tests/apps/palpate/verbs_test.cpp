@@ -179,7 +179,7 @@ TEST_F(Verbs, HelpOfTouchShowsUnitsAndDefaults) {
   for (const char* verb : {"touch", "plan"}) {
     const std::string help = run({verb, "--help"}).out;
     EXPECT_THAT(help,
-                HasSubstr("damping of the contact along the normal, B [N s/m] (a number from 0 to 1000; default 0.5;"));
+                HasSubstr("time in which the force fades to zero after a fault [s] (a number from 0 to 10; default 0.1;"));
     for (const SceneOption& option : sceneOptions()) {
       const auto at = help.find(std::string("\n  ") + option.flag + " ");
       ASSERT_NE(at, std::string::npos) << option.flag;

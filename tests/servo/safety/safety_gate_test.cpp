@@ -152,6 +152,42 @@ TEST(SafetyGate, AfterAStallTheForceFallsAtTheSlewLimit) {
   }
 }
 
+// A device that let its force go by itself, for however short a time, gets it back from nothing, over the whole fade.
+TEST(SafetyGate, AfterADevicesOwnPauseTheForceStartsFromNothing) {
+  for (const int pause : {1, 3, 40}) {
+    SafetyGate gate(parameters(), 1000);
+    const auto pass = [&](const GateInput& in, bool exerts) {
+      const GateOutput out = gate.pass(in);
+      gate.taken(exerts ? out.force_W : Vec3(Vec3::Zero()));
+      return out;
+    };
+    for (int i = 0; i < 3; ++i) static_cast<void>(pass(healthy({0, 0, 4}), true));
+    for (int i = 0; i < pause; ++i) {
+      const GateOutput out = pass({{0, 0, 4}, 0, bit(ServoFault::kForceOff)}, false);
+      EXPECT_EQ(out.faults, bit(ServoFault::kForceOff));
+      EXPECT_TRUE(out.force_W.isZero(0));
+    }
+    for (int tick = 1; tick <= 12; ++tick)
+      EXPECT_NEAR(pass(healthy({0, 0, 4}), true).force_W.z(), 4 * std::min(1.0, tick / 10.0), 1e-12);
+  }
+}
+
+// Nor while another fault goes on after it: a fade gives nothing back.
+TEST(SafetyGate, AFadeGivesNothingBack) {
+  SafetyGate gate(parameters(), 1000);
+  gate.taken(gate.pass(healthy({0, 0, 4})).force_W);
+  gate.taken(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}).force_W);
+  gate.taken({0, 0, 1});  // the device cut it
+  EXPECT_NEAR(gate.pass({{0, 0, 4}, 0, bit(ServoFault::kDeviceError)}).force_W.z(), 1, 1e-12);
+  gate.taken({0, 0, 1});
+  for (int tick = 0; tick < 10; ++tick) {
+    const GateOutput out = gate.pass({{0, 0, 4}, 0, bit(ServoFault::kDeviceError)});
+    EXPECT_LE(out.force_W.z(), gate.heldForce().z());
+    gate.taken(out.force_W);
+  }
+  EXPECT_TRUE(gate.heldForce().isZero(0));
+}
+
 // In the middle of a fade, a stall takes the rest.
 TEST(SafetyGate, AStallEndsAFade) {
   TakingGate gate(parameters(), 1000);

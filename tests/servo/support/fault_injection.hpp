@@ -35,6 +35,7 @@ enum class Injected {
   kDroppedReports,  // the device has no new position
   kNanForce,        // the algorithm gives NaN
   kInfiniteForce,   // the algorithm gives infinity
+  kForceOff,        // the device exerts no force, for a reason of its own
   kHugeForce,       // the algorithm gives `size` newtons in some direction
   kCount,
 };
@@ -138,6 +139,9 @@ class ScriptedDevice final : public Device {
   [[nodiscard]] DeviceLimits limits() const noexcept override {
     return {.force_limit_N = force_limit_N, .position_resolution_m = 1e-6, .slew_limit_N_per_s = slew_limit_N_per_s};
   }
+  [[nodiscard]] ForceOff forceOff() const noexcept override {
+    return script_.active(Injected::kForceOff) != nullptr ? ForceOff::kUncalibrated : ForceOff::kNone;
+  }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
     clock_.pass(script_.once(Injected::kStallInTick));
     // The loop's first look at the device is its constructor's, before any tick.
@@ -163,6 +167,7 @@ class ScriptedDevice final : public Device {
     return taken.back();
   }
   [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override {
+    if (forceOff() != ForceOff::kNone) return Vec3::Zero();
     const double size_N = force_W.stableNorm();
     return size_N > cut_N ? Vec3(force_W / size_N * cut_N) : force_W;
   }
