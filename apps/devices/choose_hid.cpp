@@ -18,9 +18,13 @@ std::string describe(const HidInfo& device) {
 }
 
 std::string numbersOf(const DeviceKind& kind) {
+  constexpr std::size_t kNamed = 4;
   std::vector<std::string> ids;
   for (const UsbId& usb : kind.usb) ids.push_back(usbText(usb.vendor, usb.product));
-  return fmt::format("{}", fmt::join(ids, ", "));
+  if (ids.size() <= kNamed + 1) return fmt::format("{}", fmt::join(ids, ", "));
+  const std::size_t more = ids.size() - kNamed;
+  ids.resize(kNamed);
+  return fmt::format("{} and {} others", fmt::join(ids, ", "), more);
 }
 
 [[noreturn]] void refuseOtherUsage(const DeviceKind& kind, const HidInfo& device) {

@@ -15,7 +15,7 @@ void addVerbs(CLI::App& app) {
         palpate::addSceneVerb,   palpate::addFaultsVerb,    palpate::addHelpVerb,      palpate::addCompletionVerb}) {
     add(app);
   }
-  palpate::addSculptVerb(app, [](const palpate::SculptRequest&) { palpate::startWindow(); });
+  palpate::addSculptVerb(app, [](const palpate::SculptRequest&, const auto&) { palpate::startWindow(); });
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate sculpt IN: a window in which a volume is seen, touched and edited.
-#include "apps/console/message.hpp"
 #include "apps/scene/idle_options.hpp"
 #include "apps/sculpt/sculpt_session.hpp"
 #include "scene_flag.hpp"
@@ -25,7 +24,8 @@ constexpr const char* kDeviceKeys[] = {"device.name",
 
 }  // namespace
 
-void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run) {
+void addSculptVerb(CLI::App& app,
+                   std::function<void(const SculptRequest& request, const std::vector<std::string>& idle)> run) {
   CLI::App* verb = app.add_subcommand("sculpt", "see, touch and edit a volume in a window");
   verb->footer(
       "Left button: stroke; right: turn; Shift + right: move; wheel: zoom; F: size; Ctrl+Z: undo.\n"
@@ -40,8 +40,7 @@ void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run)
   auto flags = std::make_shared<SceneFlags>(*verb, kDeviceKeys, request->device);
   verb->callback([request, flags, run = std::move(run)] {
     flags->apply(request->device);
-    for (const std::string& idle : idleOptions(request->device, flags->given())) tellUser(idle);
-    run(*request);
+    run(*request, idleOptions(request->device, flags->given()));
   });
 }
 

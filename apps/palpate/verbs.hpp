@@ -6,6 +6,8 @@
 #pragma once
 
 #include <functional>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -32,8 +34,9 @@ struct SculptRequest;
 void addTouchVerb(CLI::App& app);
 void addEditVerb(CLI::App& app);
 void addRecoverVerb(CLI::App& app);
-// `run` gets what was asked for, once it is known to be well-formed.
-void addSculptVerb(CLI::App& app, std::function<void(const SculptRequest&)> run);
+// `run` gets what was asked for, once it is known to be well-formed, and words on options that have no effect.
+void addSculptVerb(CLI::App& app,
+                   std::function<void(const SculptRequest& request, const std::vector<std::string>& idle)> run);
 void addInfoVerb(CLI::App& app);
 void addConvertVerb(CLI::App& app);
 void addGradientVerb(CLI::App& app);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/window/run_window.hpp"
 
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <thread>
 #include <utility>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/held/held_device.hpp"
 #include "apps/sculpt/user_folders.hpp"
 #include "apps/window/questions.hpp"
@@ -33,11 +36,26 @@ std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const 
   }
 }
 
+// A device that was pulled while one volume took the other's place is waited for, as long as somebody may plug it in.
+void start(SculptSession& session, const SculptRequest& request) {
+  constexpr int kPatience_ms = 10'000, kLook_ms = 20;
+  for (int waited_ms = 0;; waited_ms += kLook_ms) {
+    try {
+      return session.start();
+    } catch (const Error&) {
+      const bool is_away = request.held && request.held->forceOff() == ForceOff::kDisconnected;
+      if (!is_away || waited_ms >= kPatience_ms || interrupted()) throw;
+    }
+    if (waited_ms == 0) tellUser(request.device.device + " is not connected: plug it in");
+    std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+  }
+}
+
 // The window of one session, until it shall close: nothing; or until another volume is open.
 std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRequest& request,
                                        const std::filesystem::path& journals, SculptSettings& settings,
                                        std::string& remark) {
-  open.session->start();
+  start(*open.session, request);
   SculptWindow window(host, *open.session, settings);
   if (!remark.empty()) window.say(std::exchange(remark, {}));
   std::unique_ptr<OpenVolume> next;

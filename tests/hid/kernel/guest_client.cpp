@@ -118,6 +118,39 @@ bool survivesFaults(HidBackEnd back_end) {
                 {figure(*device, "disconnects") == 0, "it stays connected"}});
 }
 
+// It answers 200 reports, and none of the next 60: its last position grows old, and it is there all the same.
+bool fallsSilent(HidBackEnd back_end) {
+  constexpr int kSilent = 60;
+  const std::unique_ptr<Device> device = opened(back_end);
+  Vec3 at = Vec3::Zero();
+  while (figure(*device, "reports_lost") == 0 && figure(*device, "reports_written") < 400) device->elapse(1);
+  static_cast<void>(device->read(at));
+  const Vec3 last = at;
+  device->elapse(kSilent);
+  const bool read = device->read(at);
+  const double age_ms = 1e-6 * static_cast<double>(device->reportAge_ns());
+  return check({{figure(*device, "reports_received") >= 190, "it answered before"},
+                {figure(*device, "reports_lost") >= kSilent, "each report that got no answer is counted"},
+                {read && at == last, "the last position stays"},
+                {age_ms >= kSilent, "and is as old as it is"},
+                {figure(*device, "disconnects") == 0, "it stays connected"}});
+}
+
+bool isGone(HidBackEnd back_end) {
+  const std::unique_ptr<Device> device = opened(back_end);
+  Vec3 at = Vec3::Zero();
+  int tick = 0;
+  while (tick < kTicks && device->read(at)) {
+    static_cast<void>(device->write(Vec3(0, 1, 0)));
+    device->elapse(1);
+    ++tick;
+  }
+  return check({{tick >= 190 && tick < 220, "it was there as long as it was"},
+                {figure(*device, "disconnects") == 1, "gone once"},
+                {device->forceOff() == ForceOff::kDisconnected, "and that is why there is no force"},
+                {device->held(Vec3(0, 1, 0)) == Vec3::Zero(), "it holds none"}});
+}
+
 bool comesBack(HidBackEnd back_end) {
   const std::unique_ptr<Device> device = opened(back_end);
   bool was_away = false;
@@ -141,12 +174,15 @@ bool run(const std::string& name, HidBackEnd back_end) {
   if (name == "loop") return loops(back_end);
   if (name == "faults") return survivesFaults(back_end);
   if (name == "replug") return comesBack(back_end);
+  if (name == "unplug") return isGone(back_end);
+  if (name == "stall") return fallsSilent(back_end);
   const std::string why = refusal(back_end);
   std::printf("  %s\n", why.c_str());
   if (name == "none") return check({{has(why, "none of this machine's HID devices is one"), "there is none"}});
   if (name == "two") {
+    const std::vector<HidInfo> all = listHid(back_end);
     return check({{has(why, "there are two"), "there are two"},
-                  {refusal(back_end, "/dev/hidraw1").empty(), "the second can be chosen"}});
+                  {all.size() == 2 && refusal(back_end, all.back().path).empty(), "the second can be chosen"}});
   }
   if (name == "gadget") return check({{has(why, "is another thing: its usage is ff00:0001"), "another thing"}});
   if (name == "silent") return check({{has(why, "it answers no report"), "it answers nothing"}});

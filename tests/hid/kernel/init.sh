@@ -22,8 +22,16 @@ try hidraw gadget uhid_polhem --other-usage
 try hidraw two uhid_polhem --count 2
 try hidraw faults uhid_polhem --faults 0.05
 try hidraw replug uhid_polhem --unplug-after 200
+try hidraw stall uhid_polhem --silent-after 200
 try hidraw loop usbip_polhem
-try libusb loop usbip_polhem
+try hidraw replug usbip_polhem --unplug-after 200
 try libusb none
+try libusb loop usbip_polhem
+try libusb silent usbip_polhem --silent-after 0
+try libusb two usbip_polhem --count 2
+try libusb faults usbip_polhem --faults 0.05
+try libusb stall usbip_polhem --silent-after 200
+# libusb hears of a device that comes later from udev, which this guest has not.
+try libusb unplug usbip_polhem --unplug-after 200
 echo "HID-RESULT $failed"
 busybox poweroff -f

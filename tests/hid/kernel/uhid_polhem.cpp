@@ -20,7 +20,7 @@ namespace palpate {
 namespace {
 
 struct Options {
-  int count = 1, unplug_after = -1, replug_ms = 300;
+  int count = 1, unplug_after = -1, silent_after = -1, replug_ms = 300;
   bool other_usage = false, silent = false;
   double faults = 0;
 };
@@ -42,8 +42,10 @@ class UhidPolhem {
     Report report;
     report.size = std::min<std::size_t>(event.u.output.size, report.bytes.size());
     std::memcpy(report.bytes.data(), event.u.output.data, report.size);
+    ++reports_;
+    if (options_.silent_after >= 0 && reports_ > options_.silent_after) return;
     for (const Report& answer : polhem_.reports().answersTo(report)) send(answer);
-    if (++reports_ == options_.unplug_after) replug();
+    if (reports_ == options_.unplug_after) replug();
   }
 
  private:
@@ -97,6 +99,7 @@ int main(int count, char** words) {
     if (word == "--count") o.count = std::atoi(value());
     if (word == "--other-usage") o.other_usage = true;
     if (word == "--silent") o.silent = true;
+    if (word == "--silent-after") o.silent_after = std::atoi(value());
     if (word == "--faults") o.faults = std::atof(value());
     if (word == "--unplug-after") o.unplug_after = std::atoi(value());
     if (word == "--replug-ms") o.replug_ms = std::atoi(value());

@@ -2,6 +2,7 @@
 // An emulated arm as a USB device of the running kernel: the other end of a vhci_hcd port, by the USB/IP protocol
 // (Documentation/usb/usbip_protocol.rst) over a socket pair. No network. Runs until it is killed.
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -11,6 +12,7 @@
 
 #include <arpa/inet.h>
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -48,31 +50,48 @@ Bytes stringDescriptor(const std::string& text) {
   return bytes;
 }
 
+struct Options {
+  int count = 1, unplug_after = -1, silent_after = -1, replug_ms = 300;
+  double faults = 0;
+};
+
 class UsbipPolhem {
  public:
-  explicit UsbipPolhem(int socket) : socket_(socket) {}
+  UsbipPolhem(const Options& options, int number) : options_(options), number_(number), polhem_(options.faults) {}
 
-  void run() {
-    std::array<std::uint8_t, kHeaderBytes> header{};
-    while (take(header.data(), header.size())) {
-      Request r{.command = wordAt(&header[0]),
-                .number = wordAt(&header[4]),
-                .endpoint = wordAt(&header[16]),
-                .in = wordAt(&header[12]) == 1};
-      r.length = wordAt(&header[24]);
-      r.unlinks = wordAt(&header[20]);
-      std::copy_n(header.begin() + 40, 8, r.setup.begin());
-      if (r.command == kUnlink) {
-        unlink(r);
-        continue;
-      }
-      Bytes sent(r.in ? 0 : r.length);
-      if (!sent.empty() && !take(sent.data(), sent.size())) return;
-      submit(r, sent);
+  // Until its cable is pulled.
+  void run(int socket) {
+    socket_ = socket;
+    held_.clear();
+    waiting_.clear();
+    is_pulled_ = false;
+    while (!is_pulled_ && serve()) {
     }
+    polhem_.arm().restart();
   }
 
  private:
+  // False: the kernel has let go.
+  bool serve() {
+    std::array<std::uint8_t, kHeaderBytes> header{};
+    if (!take(header.data(), header.size())) return false;
+    Request r{.command = wordAt(&header[0]),
+              .number = wordAt(&header[4]),
+              .endpoint = wordAt(&header[16]),
+              .in = wordAt(&header[12]) == 1};
+    r.length = wordAt(&header[24]);
+    r.unlinks = wordAt(&header[20]);
+    std::copy_n(header.begin() + 40, 8, r.setup.begin());
+    if (r.command == kUnlink) {
+      unlink(r);
+      return true;
+    }
+    Bytes sent(r.in ? 0 : r.length);
+    if (!sent.empty() && !take(sent.data(), sent.size())) return false;
+    submit(r, sent);
+    return true;
+  }
+
   bool take(std::uint8_t* to, std::size_t count) {
     for (std::size_t done = 0; done < count;) {
       const ssize_t got = read(socket_, to + done, count - done);
@@ -115,7 +134,12 @@ class UsbipPolhem {
       Report report;
       report.size = 1 + std::min(sent.size(), report.bytes.size() - 1);
       std::copy_n(sent.begin(), report.size - 1, report.bytes.begin() + 1);
-      for (const Report& more : polhem_.reports().answersTo(report)) waiting_.push_back(more);
+      ++reports_;
+      is_pulled_ = reports_ == options_.unplug_after;
+      const bool is_silent = options_.silent_after >= 0 && reports_ > options_.silent_after;
+      for (const Report& more : polhem_.reports().answersTo(report)) {
+        if (!is_silent) waiting_.push_back(more);
+      }
     }
     deliver();
   }
@@ -132,14 +156,15 @@ class UsbipPolhem {
   Bytes control(const Request& r) {
     const unsigned request = r.setup[1], kind = r.setup[3], index = r.setup[2];
     Bytes bytes;
-    if (request == 6) bytes = descriptor(kind, index);     // GET_DESCRIPTOR
-    if (request == 0) bytes = {0, 0};                      // GET_STATUS
-    if (request == 9) waiting_ = {polhem_.arm().state()};  // SET_CONFIGURATION: it is switched on
+    if (request == 6) bytes = descriptor(kind, index);  // GET_DESCRIPTOR
+    if (request == 0) bytes = {0, 0};                   // GET_STATUS
+    // SET_CONFIGURATION: it is switched on.
+    if (request == 9 && options_.silent_after != 0) waiting_ = {polhem_.arm().state()};
     if (bytes.size() > r.length) bytes.resize(r.length);
     return bytes;
   }
 
-  static Bytes descriptor(unsigned kind, unsigned index) {
+  [[nodiscard]] Bytes descriptor(unsigned kind, unsigned index) const {
     const Bytes report = reportDescriptor(false);
     const Bytes hid = {9, 0x21, 0x11, 0x01, 0, 1, 0x22, static_cast<std::uint8_t>(report.size()), 0};
     if (kind == 1) return {18, 1, 0, 2, 0, 0, 0, 64, 0x34, 0x12, 6, 0, 0, 1, 1, 2, 3, 1};
@@ -151,30 +176,65 @@ class UsbipPolhem {
       return all;
     }
     if (kind == 3 && index == 0) return {4, 3, 9, 4};
-    if (kind == 3) return stringDescriptor(index == 1 ? "Emulated" : index == 2 ? "USB Polhem" : "U1");
+    if (kind == 3)
+      return stringDescriptor(index == 1 ? "Emulated" : index == 2 ? "USB Polhem" : "U" + std::to_string(number_));
     if (kind == 0x21) return hid;
     if (kind == 0x22) return report;
     return {};
   }
 
-  int socket_;
+  const Options& options_;
+  int number_, socket_ = -1, reports_ = 0;
+  bool is_pulled_ = false;
   GuestPolhem polhem_;
   std::deque<Request> held_;
   std::deque<Report> waiting_;
 };
 
+// The other end of a port that the kernel has just been given; below 0: it did not take it.
+int attachedTo(int port) {
+  int ends[2] = {};
+  if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) return std::perror("socketpair"), -1;
+  constexpr const char* kAttach = "/sys/devices/platform/vhci_hcd.0/attach";
+  const int attach = open(kAttach, O_WRONLY);
+  // Port, socket, device, high speed.
+  const std::string words = std::to_string(port) + " " + std::to_string(ends[0]) + " 65537 3";
+  const bool taken = attach >= 0 && write(attach, words.data(), words.size()) >= 0;
+  if (!taken) std::perror(kAttach);
+  if (attach >= 0) close(attach);
+  close(ends[0]);
+  return taken ? ends[1] : -1;
+}
+
+// One that is pulled comes back, to another port: the kernel may still be busy with the first.
+void serve(const Options& options, int number) {
+  UsbipPolhem polhem(options, number);
+  for (int port = number; port < 8; port += options.count) {
+    const int socket = attachedTo(port);
+    if (socket < 0) return;
+    polhem.run(socket);
+    close(socket);
+    usleep(static_cast<useconds_t>(1000 * options.replug_ms));
+  }
+}
+
 }  // namespace
 }  // namespace palpate
 
-int main() {
-  int ends[2] = {};
-  if (socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) return std::perror("socketpair"), 1;
-  constexpr const char* kAttach = "/sys/devices/platform/vhci_hcd.0/attach";
-  const int attach = open(kAttach, O_WRONLY);
-  const std::string words = "0 " + std::to_string(ends[0]) + " 65537 3";  // port, socket, device, high speed
-  if (attach < 0 || write(attach, words.data(), words.size()) < 0) return std::perror(kAttach), 1;
-  close(attach);
-  close(ends[0]);
-  palpate::UsbipPolhem(ends[1]).run();
+int main(int count, char** words) {
+  using namespace palpate;
+  Options o;
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    const auto value = [&] { return i + 1 < count ? words[++i] : words[i]; };
+    if (word == "--count") o.count = std::atoi(value());
+    if (word == "--faults") o.faults = std::atof(value());
+    if (word == "--silent-after") o.silent_after = std::atoi(value());
+    if (word == "--unplug-after") o.unplug_after = std::atoi(value());
+  }
+  int number = 0;
+  while (number + 1 < o.count && fork() == 0) ++number;  // each in a process of its own
+  if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0) return 1;
+  serve(o, number);
   return 0;
 }
