@@ -23,7 +23,7 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitted = 3, kUnlinked = 4;
+constexpr std::uint32_t kUnlink = 2, kSubmitted = 3, kUnlinked = 4;
 constexpr std::size_t kHeaderBytes = 48;
 constexpr std::int32_t kReset = -104;  // ECONNRESET, of a request that was taken back
 
