@@ -18,7 +18,8 @@ using Property = vk::MemoryPropertyFlagBits;
 
 // The first memory type that the buffer allows and that has the wanted properties. Properties are in order of
 // preference.
-std::uint32_t memoryType(const vk::raii::PhysicalDevice& physical, std::uint32_t allowed, MemoryKind kind) {
+std::optional<std::uint32_t> findMemoryType(const vk::raii::PhysicalDevice& physical, std::uint32_t allowed,
+                                            MemoryKind kind) {
   const std::array<vk::MemoryPropertyFlags, 2> device = {Property::eDeviceLocal, vk::MemoryPropertyFlags{}};
   const std::array<vk::MemoryPropertyFlags, 2> host = {
       Property::eHostVisible | Property::eHostCoherent | Property::eHostCached,
@@ -29,6 +30,11 @@ std::uint32_t memoryType(const vk::raii::PhysicalDevice& physical, std::uint32_t
       if ((allowed >> i & 1U) != 0 && (memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
     }
   }
+  return std::nullopt;
+}
+
+std::uint32_t memoryType(const vk::raii::PhysicalDevice& physical, std::uint32_t allowed, MemoryKind kind) {
+  if (const auto type = findMemoryType(physical, allowed, kind)) return *type;
   throw Error(Error::Code::kDevice, "Vulkan", "the device has no memory that the host can read",
               "choose another one with --gpu");
 }
@@ -39,15 +45,16 @@ bool hostReachable(const vk::raii::PhysicalDevice& physical, std::uint32_t type)
   return (flags & wanted) == wanted;
 }
 
+constexpr auto kUsage = vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferSrc |
+                        vk::BufferUsageFlagBits::eTransferDst;
+
 }  // namespace
 
 Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) : state_(std::make_unique<State>()) {
   Gpu::State& vulkan = gpu.state();
   state_->name = std::move(name);
   try {
-    const auto usage = vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferSrc |
-                       vk::BufferUsageFlagBits::eTransferDst;
-    state_->buffer = {vulkan.device, vk::BufferCreateInfo{.size = bytes, .usage = usage}};
+    state_->buffer = {vulkan.device, vk::BufferCreateInfo{.size = bytes, .usage = kUsage}};
     const vk::MemoryRequirements need = state_->buffer.getMemoryRequirements();
     const std::uint32_t type = memoryType(vulkan.physical, need.memoryTypeBits, kind);
     state_->memory = {vulkan.device, vk::MemoryAllocateInfo{.allocationSize = need.size, .memoryTypeIndex = type}};
@@ -63,6 +70,35 @@ Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) :
   }
   state_->bytes = bytes;
   state_->count(vulkan);
+}
+
+std::optional<Buffer> Buffer::over(Gpu& gpu, std::string name, void* memory, std::size_t bytes) {
+  Gpu::State& vulkan = gpu.state();
+  const std::size_t whole = vulkan.opened->import_bytes;
+  if (whole == 0 || reinterpret_cast<std::uintptr_t>(memory) % whole != 0 || bytes % whole != 0) return std::nullopt;
+  constexpr auto kHandle = vk::ExternalMemoryHandleTypeFlagBits::eHostAllocationEXT;
+  auto state = std::make_unique<State>();
+  state->name = std::move(name);
+  try {
+    const vk::ExternalMemoryBufferCreateInfo external{.handleTypes = kHandle};
+    state->buffer = {vulkan.device, vk::BufferCreateInfo{.pNext = &external, .size = bytes, .usage = kUsage}};
+    const vk::MemoryRequirements need = state->buffer.getMemoryRequirements();
+    const std::uint32_t takes = vulkan.device.getMemoryHostPointerPropertiesEXT(kHandle, memory).memoryTypeBits;
+    const auto type = findMemoryType(vulkan.physical, need.memoryTypeBits & takes, MemoryKind::kHost);
+    if (!type || need.size > bytes) return std::nullopt;
+    const vk::ImportMemoryHostPointerInfoEXT import{.handleType = kHandle, .pHostPointer = memory};
+    state->memory = {vulkan.device,
+                     vk::MemoryAllocateInfo{.pNext = &import, .allocationSize = bytes, .memoryTypeIndex = *type}};
+    state->buffer.bindMemory(*state->memory, 0);
+    vulkan.name(state->buffer, state->name);
+    vulkan.name(state->memory, state->name + " memory");
+  } catch (const vk::SystemError&) {  // some drivers take memory of their own process alone
+    return std::nullopt;
+  }
+  state->mapped = memory;
+  state->bytes = bytes;
+  state->count(vulkan);
+  return Buffer(std::move(state));
 }
 
 void Buffer::State::count(Gpu::State& by) {
@@ -82,6 +118,7 @@ Buffer::State::~State() {
   if (--use->second.count == 0) gpu->buffers.erase(use);
 }
 
+Buffer::Buffer(std::unique_ptr<State> state) noexcept : state_(std::move(state)) {}
 Buffer::~Buffer() = default;
 Buffer::Buffer(Buffer&&) noexcept = default;
 Buffer& Buffer::operator=(Buffer&&) noexcept = default;

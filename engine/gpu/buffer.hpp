@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/gpu/gpu.hpp"
@@ -19,6 +20,9 @@ class Buffer {
  public:
   // Throws Error(kOutOfMemory) if the device has too little memory left. `name`: for messages and debuggers.
   Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind);
+  // Over memory of the host, which is its content and outlives it: what a kernel writes is there without a copy. kHost.
+  // Empty: the driver takes no such memory, or not this (it begins and ends at whole pages).
+  [[nodiscard]] static std::optional<Buffer> over(Gpu& gpu, std::string name, void* memory, std::size_t bytes);
   ~Buffer();
   Buffer(Buffer&&) noexcept;
   Buffer& operator=(Buffer&&) noexcept;
@@ -30,6 +34,8 @@ class Buffer {
   [[nodiscard]] const State& state() const noexcept { return *state_; }
 
  private:
+  explicit Buffer(std::unique_ptr<State> state) noexcept;
+
   std::unique_ptr<State> state_;
 };
 

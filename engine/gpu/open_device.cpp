@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/gpu/open_device.hpp"
 
+#include <algorithm>
+#include <cstring>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
@@ -8,6 +11,18 @@
 
 namespace palpate::gpu {
 namespace {
+
+// To whose multiples the driver takes memory of the host (VK_EXT_external_memory_host); 0: it takes none.
+std::size_t importBytes(const vk::raii::PhysicalDevice& physical) {
+  const auto extensions = physical.enumerateDeviceExtensionProperties();
+  const bool offered = std::any_of(extensions.begin(), extensions.end(), [](const auto& extension) {
+    return std::strcmp(extension.extensionName, VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME) == 0;
+  });
+  if (!offered) return 0;
+  const auto chain =
+      physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceExternalMemoryHostPropertiesEXT>();
+  return chain.get<vk::PhysicalDeviceExternalMemoryHostPropertiesEXT>().minImportedHostPointerAlignment;
+}
 
 void open(OpenDevice& opened, const std::string& name, bool validation) {
   opened.context = openLoader();
@@ -21,8 +36,13 @@ void open(OpenDevice& opened, const std::string& name, bool validation) {
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = opened.queue_family, .queueCount = 1, .pQueuePriorities = &priority};
   const vk::PhysicalDeviceTimelineSemaphoreFeatures timeline{.timelineSemaphore = VK_TRUE};
-  opened.device = {opened.physical,
-                   vk::DeviceCreateInfo{.pNext = &timeline, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue}};
+  opened.import_bytes = importBytes(opened.physical);
+  const char* const imports = VK_EXT_EXTERNAL_MEMORY_HOST_EXTENSION_NAME;
+  opened.device = {opened.physical, vk::DeviceCreateInfo{.pNext = &timeline,
+                                                         .queueCreateInfoCount = 1,
+                                                         .pQueueCreateInfos = &queue,
+                                                         .enabledExtensionCount = opened.import_bytes > 0 ? 1U : 0U,
+                                                         .ppEnabledExtensionNames = &imports}};
   opened.queue = {opened.device, opened.queue_family, 0};
 }
 

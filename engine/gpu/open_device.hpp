@@ -31,6 +31,7 @@ struct OpenDevice {
   vk::raii::Device device = nullptr;
   vk::raii::Queue queue = nullptr;  // under one_at_a_time
   bool named = false;               // debug names are wanted
+  std::size_t import_bytes = 0;     // to whose multiples memory of the host can be used in place; 0: it cannot
 
   // Name, bindings, bytes of push constants, specialisation; size and hash of the SPIR-V.
   using KernelKey =

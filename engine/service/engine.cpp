@@ -115,6 +115,18 @@ RenderedImage Engine::picture() {
   return parts_->picture();
 }
 
+void Engine::shareWindows(const SharedWindows& shared) {
+  parts_->shareWindows(shared);
+}
+
+std::size_t Engine::windowCapacity() const noexcept {
+  return parts_->windowCapacity();
+}
+
+bool Engine::windowsInPlace() const noexcept {
+  return parts_->windowsInPlace();
+}
+
 WindowExchange& Engine::exchange() noexcept {
   return parts_->exchange();
 }

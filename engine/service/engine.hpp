@@ -5,6 +5,7 @@
 // the picture. The servo's thread uses exchange() only.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -31,6 +32,8 @@ struct GpuInfo;
 struct GpuUse;
 }  // namespace gpu
 class EngineParts;
+struct Sample;
+struct WindowBlock;
 class WindowExchange;
 
 class Engine {
@@ -134,6 +137,20 @@ class Engine {
   [[nodiscard]] RenderedImage picture();  // a copy of what is there; throws Error(kBadInput) before show()
 
   [[nodiscard]] WindowExchange& exchange() noexcept;
+  // From now on windows are published in memory that a servo in another process reads, and exchange() is the engine's
+  // side of that: another object than before. Kernels write there in place, or, where the driver takes no memory of the
+  // host, what they wrote is copied. The next call that publishes gathers a window. While nobody reads exchange().
+  // Throws Error(kDevice).
+  struct SharedWindows {
+    WindowBlock* block = nullptr;  // that neither side has used; it and the samples outlive their use
+    std::array<Sample*, 3> samples{};
+    std::size_t capacity = 0;         // of each, at least windowCapacity() [sample]
+    std::size_t bytes = 0;            // of each, whole pages [byte]
+    std::uint64_t first_version = 1;  // of the first window there
+  };
+  void shareWindows(const SharedWindows& shared);
+  [[nodiscard]] std::size_t windowCapacity() const noexcept;  // samples that a window has at most
+  [[nodiscard]] bool windowsInPlace() const noexcept;         // nothing is copied
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
   [[nodiscard]] const std::vector<StageTime>& stages() const noexcept;
   [[nodiscard]] std::vector<MemoryFigure> memory() const;

@@ -2,6 +2,7 @@
 #include "engine/service/engine_parts.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include <fmt/format.h>
@@ -180,15 +181,49 @@ void EngineParts::computeGradientsIn(const WindowBox& box) {
   gradient_->run(missing);
 }
 
+std::size_t EngineParts::windowCapacity() const noexcept {
+  return static_cast<std::size_t>(pool_->size().cwiseMin(window_edge_).prod());
+}
+
+void EngineParts::makeWindowBuffers() {
+  window_buffers_.clear();
+  for (int slot = 0; slot < 3; ++slot)
+    window_buffers_.emplace_back(gpu_, "window slot", windowCapacity() * sizeof(Sample), gpu::MemoryKind::kHost);
+}
+
 void EngineParts::makeWindows() {
   window_ = std::make_unique<WindowPass>(gpu_, field(), *store_);
-  const auto capacity = static_cast<std::size_t>(pool_->size().cwiseMin(window_edge_).prod());
+  makeWindowBuffers();
   std::array<Sample*, 3> storages{};
-  for (Sample*& storage : storages) {
-    window_buffers_.emplace_back(gpu_, "window slot", capacity * sizeof(Sample), gpu::MemoryKind::kHost);
-    storage = static_cast<Sample*>(window_buffers_.back().mapped());
+  for (std::size_t slot = 0; slot < 3; ++slot) storages[slot] = static_cast<Sample*>(window_buffers_[slot].mapped());
+  exchange_ = std::make_unique<WindowExchange>(storages, windowCapacity());
+}
+
+// None if the driver does not take all three.
+std::vector<gpu::Buffer> EngineParts::windowBuffersOver(const Engine::SharedWindows& shared) {
+  std::vector<gpu::Buffer> buffers;
+  for (Sample* const samples : shared.samples) {
+    std::optional<gpu::Buffer> buffer = gpu::Buffer::over(gpu_, "window slot", samples, shared.bytes);
+    if (!buffer) return {};
+    buffers.push_back(std::move(*buffer));
   }
-  exchange_ = std::make_unique<WindowExchange>(storages, capacity);
+  return buffers;
+}
+
+void EngineParts::shareWindows(const Engine::SharedWindows& shared) {
+  auto exchange =
+      std::make_unique<WindowExchange>(*shared.block, shared.samples, shared.capacity, shared.first_version);
+  std::vector<gpu::Buffer> buffers = windowBuffersOver(shared);
+  const bool had_own = copies_windows_ || !shares_windows_;
+  copies_windows_ = buffers.empty();
+  if (!buffers.empty()) {
+    window_buffers_ = std::move(buffers);
+  } else if (!had_own) {
+    makeWindowBuffers();
+  }
+  shares_windows_ = true;
+  exchange_ = std::move(exchange);
+  published_.reset();
 }
 
 bool EngineParts::publishFor(const ToolPose& tool, std::int64_t now_ns) {
@@ -220,6 +255,11 @@ void EngineParts::publishBox(const WindowBox& box, std::int64_t now_ns) {
   window.edit_version = editVersion();
   window.stamp_ns = now_ns;
   published_slot_ = exchange_->backIndex();
+  if (copies_windows_) {
+    const auto count = static_cast<std::size_t>(box.size.cast<std::int64_t>().prod());
+    std::memcpy(static_cast<void*>(exchange_->backSamples()), window_buffers_[published_slot_].mapped(),
+                count * sizeof(Sample));
+  }
   exchange_->publish();
   published_ = box;
 }

@@ -67,6 +67,9 @@ class EngineParts {
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
   [[nodiscard]] bool gradientEverywhere() const noexcept { return gradient_all_; }
   [[nodiscard]] WindowExchange& exchange() noexcept { return *exchange_; }
+  void shareWindows(const Engine::SharedWindows& shared);
+  [[nodiscard]] std::size_t windowCapacity() const noexcept;
+  [[nodiscard]] bool windowsInPlace() const noexcept { return !copies_windows_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept { return gpu_.info(); }
   [[nodiscard]] const std::vector<StageTime>& stages() const noexcept { return stages_; }
   [[nodiscard]] std::uint64_t budgetedBytes() const noexcept { return pool_->budget()->used_bytes; }
@@ -81,6 +84,8 @@ class EngineParts {
   [[nodiscard]] std::pair<float, float> densityRange(const Volume& volume);
   void computeGradientsIn(const WindowBox& box);
   void makeWindows();
+  [[nodiscard]] std::vector<gpu::Buffer> windowBuffersOver(const Engine::SharedWindows& shared);
+  void makeWindowBuffers();
   template <typename Change>
   Engine::EditResult change(std::int64_t now_ns, const Change& change);
   void keepSamplesFor(double other, std::span<const layout::BrickBounds> bounds);
@@ -107,7 +112,8 @@ class EngineParts {
   int window_edge_ = kWindowEdge;            // the plan's [voxel]
   bool draws_ = false;                       // the plan said so
   bool distance_ = false;                    // the field that is felt is a distance from the isosurface
-  std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages
+  std::vector<gpu::Buffer> window_buffers_;  // three, mapped: the exchange's storages, or what is copied there
+  bool shares_windows_ = false, copies_windows_ = false;
   std::unique_ptr<WindowExchange> exchange_;
   std::optional<WindowBox> published_;             // where the newest window lies
   unsigned published_slot_ = 0;                    // and in which buffer

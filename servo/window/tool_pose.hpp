@@ -2,10 +2,12 @@
 // servo/window/tool_pose.hpp: position, velocity and force of the tool, from the servo to the engine.
 //
 // The engine puts the next window around the tool, and the tool may be a brush that edits. Frame W: world [m, m/s, N].
-// Threads: the servo publishes every tick, the engine reads; wait-free on both sides.
+// Threads: the servo publishes every tick, the engine reads; wait-free on both sides. The two may be processes that
+// share the mailbox's block (a ToolPoseRecord is plain bytes of a fixed layout).
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "base/vec.hpp"
 #include "servo/window/triple_buffer.hpp"
@@ -24,6 +26,40 @@ struct ToolPose {
   std::uint64_t window_version = 0;  // of the window that this tick read; 0: none
 };
 
-using ToolPoseMailbox = TripleBuffer<ToolPose>;
+// A pose as it lies in the mailbox.
+struct ToolPoseRecord {
+  double position_W[3] = {}, velocity_W[3] = {}, surface_W[3] = {}, normal_W[3] = {}, force_W[3] = {};
+  std::int64_t tick = -1, time_ns = 0;
+  std::uint64_t window_version = 0;
+  std::uint64_t at_surface = 0;  // 0 or 1
+};
+static_assert(std::is_trivially_copyable_v<ToolPoseRecord> && sizeof(ToolPoseRecord) == 152);
+using ToolPoseBlock = TripleBlock<ToolPoseRecord>;
+static_assert(sizeof(ToolPoseBlock) == 3 * 192 + 64);
+
+class ToolPoseMailbox {
+ public:
+  ToolPoseMailbox() = default;
+  // One side over a block that neither side has used, and which outlives this.
+  explicit ToolPoseMailbox(ToolPoseBlock& shared) noexcept : buffer_(shared) {}
+
+  // Writer: the pose to fill; it holds an older one. publish() hands it over.
+  [[nodiscard]] ToolPose& back() noexcept { return back_; }
+  void publish() noexcept;
+
+  // Reader: the newest pose that was published, valid until the next call. One that is no place in the world, as no
+  // servo writes it, is left out.
+  [[nodiscard]] const ToolPose& latest() noexcept {
+    if (buffer_.renew()) takeFront();
+    return latest_;
+  }
+
+ private:
+  void takeFront() noexcept;
+
+  TripleBuffer<ToolPoseRecord> buffer_;
+  ToolPose back_;                // writer's
+  alignas(64) ToolPose latest_;  // reader's, on lines of its own
+};
 
 }  // namespace palpate

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/window_exchange.hpp"
 
+#include <utility>
+
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 
@@ -14,8 +16,13 @@ std::array<Sample*, 3> WindowStorage::pointers() noexcept {
   return {samples_[0].data(), samples_[1].data(), samples_[2].data()};
 }
 
-WindowExchange::WindowExchange(const std::array<Sample*, 3>& storages, std::size_t capacity_samples)
-    : storages_(storages), capacity_samples_(capacity_samples) {
+WindowExchange::WindowExchange(WindowBlock& shared, const std::array<Sample*, 3>& storages,
+                               std::size_t capacity_samples, std::uint64_t first_version)
+    : block_(shared),
+      storages_(storages),
+      capacity_samples_(capacity_samples),
+      buffer_(shared.windows),
+      version_(first_version - 1) {
   const bool distinct = storages[0] != storages[1] && storages[1] != storages[2] && storages[0] != storages[2];
   if (storages[0] == nullptr || storages[1] == nullptr || storages[2] == nullptr || !distinct || capacity_samples < 8) {
     throw Error(Error::Code::kBadInput, "window exchange",
@@ -24,19 +31,31 @@ WindowExchange::WindowExchange(const std::array<Sample*, 3>& storages, std::size
   }
 }
 
+WindowExchange::WindowExchange(const std::array<Sample*, 3>& storages, std::size_t capacity_samples)
+    : WindowExchange(std::make_unique<WindowBlock>(), storages, capacity_samples) {}
+
+WindowExchange::WindowExchange(std::unique_ptr<WindowBlock> own, const std::array<Sample*, 3>& storages,
+                               std::size_t capacity_samples)
+    : WindowExchange(*own, storages, capacity_samples) {
+  own_ = std::move(own);
+}
+
 void WindowExchange::publish() {
-  SampleWindow& window = buffer_.back();
-  const auto count = window.size.cast<std::int64_t>().prod();
-  if (window.size.minCoeff() < 2 || count > static_cast<std::int64_t>(capacity_samples_)) {
+  const auto count = back_.size.cast<std::int64_t>().prod();
+  if (back_.size.minCoeff() < 2 || count > static_cast<std::int64_t>(capacity_samples_)) {
     throw Error(Error::Code::kBadInput, "window",
-                formatted("{} x {} x {} samples do not fit", window.size.x(), window.size.y(), window.size.z()),
+                formatted("{} x {} x {} samples do not fit", back_.size.x(), back_.size.y(), back_.size.z()),
                 formatted("use 2 or more along each axis and at most {} in all", capacity_samples_));
   }
-  window.samples = storages_[buffer_.backIndex()];
-  window.version = ++version_;
-  const std::int64_t stamp_ns = window.stamp_ns;  // the slot is the reader's as soon as it is published
+  back_.version = ++version_;
+  buffer_.back() = recordOf(back_);
   buffer_.publish();
-  confirm(stamp_ns);
+  confirm(back_.stamp_ns);
+}
+
+void WindowExchange::takeFront() noexcept {
+  const WindowRecord record = buffer_.front();
+  latest_ = windowOf(record, storages_[buffer_.frontIndex()], capacity_samples_);
 }
 
 }  // namespace palpate

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service/channel/channel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+
+namespace palpate {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// A socket counts as writable to poll(2) only when most of what was sent is read, so it is tried again meanwhile.
+constexpr int kLook_ms = 2;
+constexpr int kWaiting = 16;      // connections that nobody has accepted yet
+constexpr int kMostAttached = 4;  // that one message can bring; more than one ends the connection
+
+bool waitFor(int socket, short event, int most_ms) {
+  pollfd wait{.fd = socket, .events = event, .revents = 0};
+  int found = 0;
+  do found = poll(&wait, 1, most_ms);
+  while (found < 0 && errno == EINTR && most_ms < 0);
+  return found > 0;
+}
+
+[[noreturn]] void refuseSocket(const std::string& path, Error::Code code, const std::string& why,
+                               const std::string& what) {
+  throw Error(code, path, why, what);
+}
+
+sockaddr_un addressOf(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path) {
+    refuseSocket(path, Error::Code::kBadInput,
+                 formatted("a socket's path has 1 to {} bytes, not {}", sizeof address.sun_path - 1, path.size()),
+                 "name a shorter one");
+  }
+  std::memcpy(address.sun_path, path.data(), path.size());
+  return address;
+}
+
+Descriptor newSocket(const std::string& path) {
+  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  if (!socket)
+    refuseSocket(path, Error::Code::kIo, formatted("no socket can be made ({})", std::strerror(errno)),
+                 "raise the limit of open files (ulimit -n)");
+  return socket;
+}
+
+int connectSocket(const Descriptor& socket, const sockaddr_un& address) {
+  return connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0 : errno;
+}
+
+// The descriptors that came with a message, all of them, so that none stays open.
+std::vector<Descriptor> attachedTo(msghdr& message) {
+  std::vector<Descriptor> all;
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_RIGHTS) continue;
+    const std::size_t count = (part->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+    for (std::size_t i = 0; i < count; ++i) {
+      int number = -1;
+      std::memcpy(&number, CMSG_DATA(part) + i * sizeof(int), sizeof number);
+      all.emplace_back(number);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+bool Channel::send(std::span<const std::byte> bytes, int most_ms, int attached) {
+  if (bytes.empty() || bytes.size() > kMostMessageBytes) {
+    throw Error(Error::Code::kBadInput, "message",
+                formatted("{} bytes are no message; it has 1 to {}", bytes.size(), kMostMessageBytes),
+                "send what is long in shared memory");
+  }
+  if (!socket_) return false;
+  iovec part{.iov_base = const_cast<std::byte*>(bytes.data()), .iov_len = bytes.size()};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> control{};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  if (attached >= 0) {
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    cmsghdr* const head = CMSG_FIRSTHDR(&message);
+    head->cmsg_level = SOL_SOCKET;
+    head->cmsg_type = SCM_RIGHTS;
+    head->cmsg_len = CMSG_LEN(sizeof(int));
+    std::memcpy(CMSG_DATA(head), &attached, sizeof attached);
+  }
+  const auto end = Clock::now() + std::chrono::milliseconds(std::max(0, most_ms));
+  while (sendmsg(socket_.get(), &message, MSG_NOSIGNAL) < 0) {
+    if (errno == EINTR) continue;
+    if (errno != EAGAIN && errno != EWOULDBLOCK) return false;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    if (most_ms >= 0 && left.count() <= 0) return false;
+    const int look_ms = most_ms < 0 ? kLook_ms : static_cast<int>(std::min<std::int64_t>(kLook_ms, left.count()));
+    static_cast<void>(waitFor(socket_.get(), POLLOUT, look_ms));
+  }
+  return true;
+}
+
+Channel::Got Channel::receive(Packet& packet, int most_ms) {
+  packet.attached.close();
+  packet.bytes.resize(kMostMessageBytes);
+  if (!socket_) return Got::kClosed;
+  iovec part{.iov_base = packet.bytes.data(), .iov_len = packet.bytes.size()};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostAttached * sizeof(int))> control{};
+  while (true) {
+    msghdr message{};
+    message.msg_iov = &part;
+    message.msg_iovlen = 1;
+    message.msg_control = control.data();
+    message.msg_controllen = control.size();
+    const ssize_t count = recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
+      if (most_ms == 0 || !waitFor(socket_.get(), POLLIN, most_ms)) return Got::kNothing;
+      most_ms = 0;
+      continue;
+    }
+    std::vector<Descriptor> attached = attachedTo(message);
+    const bool whole = (message.msg_flags & (MSG_TRUNC | MSG_CTRUNC)) == 0;
+    if (count <= 0 || !whole || attached.size() > 1) {
+      close();
+      return Got::kClosed;
+    }
+    packet.bytes.resize(static_cast<std::size_t>(count));
+    if (!attached.empty()) packet.attached = std::move(attached.front());
+    return Got::kPacket;
+  }
+}
+
+Peer Channel::peer() const noexcept {
+  ucred facts{};
+  socklen_t bytes = sizeof facts;
+  if (getsockopt(socket_.get(), SOL_SOCKET, SO_PEERCRED, &facts, &bytes) != 0) return {.user = ~0U};
+  return {facts.pid, facts.uid};
+}
+
+std::pair<Channel, Channel> channelPair() {
+  int ends[2] = {-1, -1};
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0)
+    refuseSocket("channel", Error::Code::kIo, formatted("no socket can be made ({})", std::strerror(errno)),
+                 "raise the limit of open files (ulimit -n)");
+  return {Channel(Descriptor(ends[0])), Channel(Descriptor(ends[1]))};
+}
+
+// Its rights are the socket's before it gets its name, so at no moment may another user open it.
+Listener::Listener(std::string path) : path_(std::move(path)) {
+  const sockaddr_un address = addressOf(path_);
+  struct stat facts {};
+  if (lstat(path_.c_str(), &facts) == 0) {
+    if (!S_ISSOCK(facts.st_mode))
+      refuseSocket(path_, Error::Code::kBadInput, "something else lies there", "name another place for the socket");
+    if (connectSocket(newSocket(path_), address) != ECONNREFUSED)
+      refuseSocket(path_, Error::Code::kIo, "somebody listens there already",
+                   "stop that service, or name another socket");
+    unlink(path_.c_str());
+  }
+  Descriptor socket = newSocket(path_);
+  if (fchmod(socket.get(), S_IRUSR | S_IWUSR) != 0 ||
+      bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(socket.get(), kWaiting) != 0)
+    refuseSocket(path_, Error::Code::kIo, formatted("no socket can be made there ({})", std::strerror(errno)),
+                 "make its folder, or name another place");
+  socket_ = std::move(socket);
+}
+
+Listener::~Listener() {
+  if (socket_) unlink(path_.c_str());
+}
+
+Channel Listener::accept() {
+  Channel channel(Descriptor(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
+  if (!channel.open()) return channel;
+  const std::uint32_t user = channel.peer().user;
+  if (user != geteuid() && user != 0) channel.close();
+  return channel;
+}
+
+Channel connectTo(const std::string& path) {
+  const sockaddr_un address = addressOf(path);
+  Descriptor socket = newSocket(path);
+  const int why = connectSocket(socket, address);
+  if (why == ENOENT || why == ECONNREFUSED)
+    refuseSocket(path, Error::Code::kNotFound, "no service listens there",
+                 "start one with 'palpate serve', or name its socket");
+  if (why != 0)
+    refuseSocket(path, Error::Code::kIo, formatted("it cannot be opened ({})", std::strerror(why)),
+                 "connect as the user who started the service");
+  return Channel(std::move(socket));
+}
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// service/channel/channel.hpp: whole messages between two processes, over a Unix socket; a message may carry a file
+// descriptor.
+//
+// The other side may be anybody: a message longer than kMostMessageBytes, or with more than one descriptor, ends the
+// connection, and a side that does not read holds the other up for no longer than it is told to wait.
+// Threads: one at a time sends, one at a time receives. System calls; not for the servo's thread. Linux only.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/descriptor.hpp"
+
+namespace palpate {
+
+inline constexpr std::size_t kMostMessageBytes = std::size_t{64} << 10U;
+
+struct Packet {
+  std::vector<std::byte> bytes;
+  Descriptor attached;  // none: the message carried none
+};
+
+// Who is at the other end, as the kernel says.
+struct Peer {
+  std::int64_t process = 0;
+  std::uint32_t user = 0;
+};
+
+class Channel {
+ public:
+  enum class Got : std::uint8_t { kPacket, kNothing, kClosed };
+
+  Channel() = default;
+  explicit Channel(Descriptor socket) noexcept : socket_(std::move(socket)) {}
+
+  // Waits for room for `most_ms` at most. False: there is none, or the other side is gone; then nothing was sent. The
+  // descriptor stays the caller's; below 0: none. Throws Error(kBadInput) for a message that is too long.
+  [[nodiscard]] bool send(std::span<const std::byte> bytes, int most_ms, int attached = -1) noexcept(false);
+  // Waits for `most_ms` at most [ms]; below 0: without an end. kClosed: the other side is gone, or broke the rules.
+  [[nodiscard]] Got receive(Packet& packet, int most_ms);
+
+  [[nodiscard]] Peer peer() const noexcept;
+  [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }  // to wait for it with poll(2)
+  [[nodiscard]] bool open() const noexcept { return static_cast<bool>(socket_); }
+  void close() noexcept { socket_.close(); }
+
+ private:
+  Descriptor socket_;
+};
+
+// Two ends of one connection. Throws Error(kIo).
+[[nodiscard]] std::pair<Channel, Channel> channelPair();
+
+// A place where others connect: a socket that only this user's processes can open (mode 0600).
+class Listener {
+ public:
+  // Takes the place of a socket at which nobody listens any more. Throws Error: kBadInput for a path that is too long
+  // for a socket, or at which something else lies; kIo if somebody listens there, or for the system's reason.
+  explicit Listener(std::string path);
+  ~Listener();  // removes it
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  // The next connection of this user or root, or a closed channel if none waits. Others are turned away.
+  [[nodiscard]] Channel accept();
+  [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+ private:
+  std::string path_;
+  Descriptor socket_;
+};
+
+// Throws Error: kNotFound if nobody listens there, kBadInput and kIo as Listener does.
+[[nodiscard]] Channel connectTo(const std::string& path);
+
+}  // namespace palpate
