@@ -17,7 +17,7 @@
 #include "apps/rivals/scratch_folder.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/scene_plan.hpp"
-#include "apps/touch/scene_settings.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/field/statistics.hpp"

@@ -120,6 +120,10 @@ const Feature kFeatures[] = {
        s.save = (folder / "saved.vdb").string();
      },
      [](Scene& s) { s.save.clear(); s.save_every_s = 0; }},
+    {"a process for the servo", "--service", "engine and servo are one process", "the servo outlives a fault of the engine's",
+     [](const Scene& s) { return s.service; },
+     [](Scene& s, const Folder&) { s.service = true; },
+     [](Scene& s) { s.service = false; }},
     {"a picture", "view.png", "not asked for (--picture off)", "view.png and report.html show it",
      [](const Scene& s) { return s.picture; },
      [](Scene& s, const Folder&) { s.picture = true; },

@@ -71,6 +71,7 @@ constexpr Purpose kThreads[] = {
     {"palpate", "set-up, progress and results"},
     {"engine", "windows around the tool, edits and pictures, on the Vulkan device"},
     {"servo", "the force, tick by tick"},
+    {"servo link", "what the servo's process says, with --service"},
     {"device", "a real device's reports, so that the servo never waits for the bus"},
     {"stop", "ends the program on Ctrl-C where its work does not look"},
     {"journal", "edits to the disk"},

@@ -5,7 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "apps/rig/contact_bounds.hpp"
+#include "apps/servo_setup/contact_bounds.hpp"
+#include "apps/servo_side/local_servo.hpp"
 #include "base/error.hpp"
 #include "servo/window/window_exchange.hpp"
 
@@ -34,21 +35,21 @@ DensityScale densityScaleOf(const Volume& volume, double isovalue) {
   return {.contrast = volume.maximum() - isovalue, .voxel_m = volume.lattice().smallestSpacing()};
 }
 
-std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigVolume& volume) {
-  const AlgorithmParameters& p = settings.parameters;
-  return makeAlgorithm(settings.algorithm,
-                       {.parameters = p,
-                        .effects = makeContactEffects(settings.effects, p.stiffness_N_per_m, p.rate_hz),
-                        .haptization = settings.haptization,
-                        .scale = volume.scale,
-                        .objects = volume.objects,
-                        .isosurface = volume.isosurface});
-}
-
 TouchRig::TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings,
                    RigEdits* edits)
+    : TouchRig(engine, std::make_unique<LocalServo>(device, engine.exchange()), loop, std::move(volume),
+               std::move(settings), edits) {}
+
+TouchRig::TouchRig(Engine& engine, std::unique_ptr<ServoSide> own, const LoopParameters& loop, RigVolume volume,
+                   RigSettings settings, RigEdits* edits)
+    : TouchRig(engine, *own, loop, std::move(volume), std::move(settings), edits) {
+  own_servo_ = std::move(own);
+}
+
+TouchRig::TouchRig(Engine& engine, ServoSide& servo, const LoopParameters& loop, RigVolume volume, RigSettings settings,
+                   RigEdits* edits)
     : engine_(engine),
-      device_(device),
+      servo_(servo),
       loop_settings_(loop),
       rate_hz_(loop.rate_hz),
       first_isovalue_(static_cast<float>(engine.isovalue())),
@@ -56,19 +57,18 @@ TouchRig::TouchRig(Engine& engine, Device& device, const LoopParameters& loop, R
       edits_(edits),
       settings_(withFloatIsovalue(std::move(settings))),
       given_(settings_),
-      isovalue_transition_(engine),
-      algorithm_(algorithmFor(settings_)),
-      loop_(loopFor(loop, settings_, device), *algorithm_, device, engine.exchange(), tool_) {
+      isovalue_transition_(engine) {
+  std::unique_ptr<Algorithm> algorithm = algorithmFor(settings_);
   if (settings_.parameters.isovalue != first_isovalue_) {
     refuse(fmt::format("isovalue {:g}", settings_.parameters.isovalue),
            fmt::format("the gradients on the device are those around {:g}", first_isovalue_),
            "begin with that, and change it then");
   }
-  loop_.takeChangesFrom(changes_);
+  servo_.makeLoop(loopFor(loop, settings_, servo_.device()), settings_, volume_, std::move(algorithm));
 }
 
 bool TouchRig::mayShake(const RigSettings& settings) const {
-  return palpate::mayShake(settings, loop_settings_, device_);
+  return palpate::mayShake(settings, loop_settings_, servo_.device());
 }
 
 TouchRig::~TouchRig() {
@@ -93,8 +93,8 @@ std::unique_ptr<Algorithm> TouchRig::algorithmFor(const RigSettings& settings) c
 }
 
 LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& before_tick) {
-  LoopResult result = loop_.runSimulated([&](std::int64_t tick, std::int64_t time_ns) {
-    const ToolPose& pose = tool_.latest();
+  LoopResult result = servo_.runSimulated([&](std::int64_t tick, std::int64_t time_ns) {
+    const ToolPose& pose = servo_.tool().latest();
     engine_.publishFor(pose, time_ns);
     if (follow) follow(pose, time_ns);
     look(pose, time_ns, true);
@@ -105,15 +105,15 @@ LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& b
 }
 
 void TouchRig::start(Follow follow) {
-  engine_.publishFor(tool_.latest(), monotonicNow_ns());
+  engine_.publishFor(servo_.tool().latest(), monotonicNow_ns());
   const auto work = [this, follow = std::move(follow)](const ToolPose& pose, std::int64_t now_ns) {
     if (follow) follow(pose, now_ns);
     look(pose, now_ns, false);
     return view_ != nullptr && view_->look(engine_, now_ns);
   };
-  publisher_.emplace(engine_, tool_, work, [this] { requestStop(); });
+  publisher_.emplace(engine_, servo_.tool(), work, [this] { requestStop(); });
   try {
-    loop_.start();
+    servo_.start();
   } catch (...) {
     publisher_.reset();
     throw;
@@ -121,7 +121,7 @@ void TouchRig::start(Follow follow) {
 }
 
 LoopResult TouchRig::wait() {
-  LoopResult result = loop_.wait();
+  LoopResult result = servo_.wait();
   if (!publisher_) return result;
   publisher_->stop();
   publisher_.reset();
@@ -152,7 +152,7 @@ void TouchRig::change(const RigSettings& settings) {
   const bool waits = next.parameters.isovalue != given_.parameters.isovalue;
   if (!waits) change.algorithm = std::move(algorithm);
   change.doubtful = mayShake(next);
-  if (change.algorithm != nullptr || change.force_limit_N) changes_.give(std::move(change));
+  if (change.algorithm != nullptr || change.force_limit_N) servo_.give(std::move(change), next);
   if (algorithm != nullptr) waiting_ = std::move(algorithm);
   if (!waits) {
     waiting_.reset();
@@ -183,9 +183,9 @@ void TouchRig::lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool a
     const std::lock_guard lock(mutex_);
     look.wanted = settings_.parameters.isovalue;
     look.in_use = given_.parameters.isovalue;
-    look.taken = changes_.ended(taking_);
+    look.taken = servo_.ended(taking_);
     if (isovalue_transition_.mayGive(look)) {
-      taking_ = changes_.give({.algorithm = std::move(waiting_), .doubtful = mayShake(settings_)});
+      taking_ = servo_.give({.algorithm = std::move(waiting_), .doubtful = mayShake(settings_)}, settings_);
       given_ = settings_;
       return;
     }
@@ -204,7 +204,7 @@ void TouchRig::lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool a
 
 void TouchRig::keepTicks(std::size_t most) {
   ticks_.emplace(most);
-  loop_.tellTicksTo(*ticks_);
+  servo_.tellTicksTo(*ticks_);
 }
 
 }  // namespace palpate

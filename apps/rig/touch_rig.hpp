@@ -21,26 +21,16 @@
 #include "apps/rig/isovalue_transition.hpp"
 #include "apps/rig/live_view.hpp"
 #include "apps/rig/rig_edits.hpp"
-#include "apps/rig/rig_settings.hpp"
+#include "apps/servo_setup/rig_settings.hpp"
+#include "apps/servo_setup/rig_volume.hpp"
+#include "apps/servo_side/servo_side.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine_thread.hpp"
-#include "servo/algorithms/registry.hpp"
 #include "servo/loop/servo_loop.hpp"
 
 namespace palpate {
 
-// What the algorithm needs of the volume beside the engine's samples. It does not change during a run.
-struct RigVolume {
-  DensityScale scale = {};
-  ContactObjects objects = {};
-  // A mesh of the first isovalue's (servo/meshes), for an algorithm that needs it.
-  std::shared_ptr<const ContactObject> isosurface = nullptr;
-};
-
 [[nodiscard]] DensityScale densityScaleOf(const Volume& volume, double isovalue);
-
-// Throws Error(kBadInput) as makeAlgorithm() and makeContactEffects() do.
-[[nodiscard]] std::unique_ptr<Algorithm> makeAlgorithm(const RigSettings& settings, const RigVolume& volume);
 
 class TouchRig {
  public:
@@ -52,6 +42,9 @@ class TouchRig {
   // reads gradients or a mesh that are not there.
   TouchRig(Engine& engine, Device& device, const LoopParameters& loop, RigVolume volume, RigSettings settings,
            RigEdits* edits = nullptr);
+  // The same with a servo that may be in another process; it outlives the rig, and reads the engine's windows.
+  TouchRig(Engine& engine, ServoSide& servo, const LoopParameters& loop, RigVolume volume, RigSettings settings,
+           RigEdits* edits = nullptr);
   ~TouchRig();  // stops a run
 
   // Simulated clock: does the whole run in the caller's thread. The engine publishes in step, so the same inputs give
@@ -61,9 +54,9 @@ class TouchRig {
   // Real clock: start() begins the run; only once. wait() returns when the run ends. A failure of the engine's thread
   // ends the run, and wait() rethrows it. start() throws as ServoLoop::start() does.
   void start(Follow follow = {});
-  [[nodiscard]] bool running() const noexcept { return loop_.running(); }
+  [[nodiscard]] bool running() const noexcept { return servo_.running(); }
   [[nodiscard]] LoopResult wait();
-  void requestStop() noexcept { loop_.requestStop(); }
+  void requestStop() noexcept { servo_.requestStop(); }
 
   // Changes the settings; their isovalue is rounded to float. settings() returns them from then on. The servo takes
   // them with its next tick, unless it only remembers its contact in that tick. If only the force limit differs, the
@@ -95,8 +88,13 @@ class TouchRig {
   void freeUnusedSamples();
   void lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool all_at_once);
 
+  TouchRig(Engine& engine, std::unique_ptr<ServoSide> own, const LoopParameters& loop, RigVolume volume,
+           RigSettings settings, RigEdits* edits);
+
   Engine& engine_;
-  const Device& device_;
+  std::optional<LiveTicks> ticks_;        // the servo's thread adds to them, so they outlive it
+  std::unique_ptr<ServoSide> own_servo_;  // null: the maker's
+  ServoSide& servo_;
   const LoopParameters loop_settings_;
   const double rate_hz_;
   const double first_isovalue_;
@@ -111,11 +109,6 @@ class TouchRig {
   std::optional<Error> refusal_;
   std::uint64_t taking_ = 0;  // number of the change to the isovalue in use
   IsovalueTransition isovalue_transition_;
-  std::unique_ptr<Algorithm> algorithm_;  // the first one
-  ServoChanges changes_;
-  ToolPoseMailbox tool_;
-  std::optional<LiveTicks> ticks_;
-  ServoLoop loop_;
   std::optional<EngineThread> publisher_;
 };
 

@@ -99,6 +99,7 @@ const SceneOption kOptions[] = {
     {"--seconds", "servo.seconds", "s", "how long the servo runs; with --path as long as the path", number(&Scene::duration_s, 1, 0.01, 3600)},
     {"--clock", "servo.clock", "", "real: keeps time; simulated: as fast as it can, the same trace on every run",
      SwitchOption{&Scene::simulated_clock, "real", "simulated"}},
+    {"--service", "servo.service", "", "the servo runs in a process of its own, which outlives a fault of the engine's by as long as it takes to bring the force to zero (docs/service.md)", SwitchOption{&Scene::service, "no", "yes", true}},
     {"--require-real-time", "servo.require_real_time", "", "refuse to start where the system gives no real-time priority or locks no memory",
      SwitchOption{&Scene::require_real_time, "off", "on", true}},
     {"--haptization-density", "haptization.density", "density, N, N s/m",

@@ -46,6 +46,7 @@ struct Scene {
   double rate_hz = 1000;
   double duration_s = 5;
   bool simulated_clock = false;
+  bool service = false;  // the servo runs in a process of its own
   bool require_real_time = false;          // refuse to run without real-time priority and locked memory
   std::string velocity = "filter";         // name of the HIP's velocity estimator
   double velocity_cutoff_hz = 200;         // of "filter"; 0: none
@@ -73,7 +74,7 @@ struct Scene {
   double friction_dynamic = 0;           // mu_d, at most mu_s [-]
   double friction_viscous_Ns_per_m = 0;
   NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
-  // device, and the hand of a simulated one; apps/touch/scene_settings.cpp hands them to the registry
+  // device, and the hand of a simulated one; apps/servo_setup/scene_settings.cpp hands them to the registry
   std::string device = defaultDevice();
   bool spring_hand = usualOfDevice("spring_hand") > 0;  // false: the HIP is exactly the path
   double hand_mass_kg = usualOfDevice("hand_mass_kg");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include <fmt/format.h>
@@ -216,25 +217,29 @@ void readSceneFile(const std::filesystem::path& file, Scene& scene) {
     throw Error(Error::Code::kNotFound, file.string(), "the scene file cannot be opened",
                 "check the path and its permissions");
   }
+  readSceneText(std::string(std::istreambuf_iterator<char>(stream), {}), file.string(), file.parent_path(), scene);
+}
+
+void readSceneText(std::string_view text, const std::string& file, const std::filesystem::path& folder, Scene& scene) {
   Scene read = scene;
   read.volume.clear();  // what is there afterwards is the file's
   read.path_file.clear();
   read.recording.clear();
   const std::size_t given_before = read.objects.size();
   try {
-    setKeys(toml::parse(stream, file.string()), "", file.string(), read);
+    setKeys(toml::parse(text, file), "", file, read);
   } catch (const toml::parse_error& error) {
     throw Error(Error::Code::kBadInput,
-                fmt::format("{}:{}:{}", file.string(), error.source().begin.line, error.source().begin.column),
+                fmt::format("{}:{}:{}", file, error.source().begin.line, error.source().begin.column),
                 std::string(error.description()), "mend the TOML there");
   }
-  resolve(file.parent_path(), read.volume);
-  resolve(file.parent_path(), read.path_file);
-  resolve(file.parent_path(), read.recording);
+  resolve(folder, read.volume);
+  resolve(folder, read.path_file);
+  resolve(folder, read.recording);
   if (read.volume.empty()) read.volume = scene.volume;
   if (read.path_file.empty()) read.path_file = scene.path_file;
   if (read.recording.empty()) read.recording = scene.recording;
-  for (std::size_t i = given_before; i < read.objects.size(); ++i) resolve(file.parent_path(), read.objects[i].file);
+  for (std::size_t i = given_before; i < read.objects.size(); ++i) resolve(folder, read.objects[i].file);
   scene = read;
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 
 #include "apps/scene/scene.hpp"
 
@@ -16,5 +18,8 @@ inline constexpr const char* kSceneExtension = ".toml";
 // (with line and column); a key that is not in the option table (with the nearest one that is); a value of the wrong
 // type or form. Then `scene` is unchanged.
 void readSceneFile(const std::filesystem::path& file, Scene& scene);
+
+// The same of a file's text: relative paths are taken from `folder`, and messages name `file`.
+void readSceneText(std::string_view text, const std::string& file, const std::filesystem::path& folder, Scene& scene);
 
 }  // namespace palpate

@@ -13,7 +13,7 @@
 #include "apps/held/held_words.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
-#include "apps/rig/contact_bounds.hpp"
+#include "apps/servo_setup/contact_bounds.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "engine/edit/brush_profile.hpp"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/touch/scene_settings.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {

@@ -8,8 +8,9 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
-#include "apps/rig/contact_bounds.hpp"
-#include "apps/touch/scene_settings.hpp"
+#include "apps/servo_setup/contact_bounds.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
+#include "apps/servo_side/local_servo.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/thread_names.hpp"
@@ -98,11 +99,17 @@ void checkRunLength(const Scene& scene, std::uint64_t available_bytes) {
 }
 
 ServoRun runServo(const Scene& scene, RigVolume volume, Device& device, Engine& engine, RigEdits* edits,
-                  Progress& progress, const std::function<void(const std::vector<std::string>&)>& before_first_tick) {
+                  Progress& progress, const BeforeFirstTick& before_first_tick) {
+  LocalServo servo(device, engine.exchange());
+  return runServo(scene, std::move(volume), servo, engine, edits, progress, before_first_tick);
+}
+
+ServoRun runServo(const Scene& scene, RigVolume volume, ServoSide& servo, Engine& engine, RigEdits* edits,
+                  Progress& progress, const BeforeFirstTick& before_first_tick) {
   const LoopParameters parameters = loopParameters(scene);
   const RigSettings settings = rigSettings(scene, engine.isovalue());
-  TouchRig rig(engine, device, parameters, std::move(volume), settings, edits);
-  before_first_tick(boundWarnings(settings, parameters, device));
+  TouchRig rig(engine, servo, parameters, std::move(volume), settings, edits);
+  before_first_tick(boundWarnings(settings, parameters, servo.device()));
   if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
   return runReal(rig, scene.duration_s, progress);
 }

@@ -34,9 +34,12 @@ struct ServoRun {
 
 // Blocks for the run's time. Ctrl-C ends it early, in good order. `edits` may be null. `before_first_tick` is called
 // once, after the memory for the records of all ticks has been allocated, with what the device cannot render
-// (apps/rig/contact_bounds.hpp).
+// (apps/servo_setup/contact_bounds.hpp).
+using BeforeFirstTick = std::function<void(const std::vector<std::string>&)>;
 [[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, Device& device, Engine& engine, RigEdits* edits,
-                                Progress& progress,
-                                const std::function<void(const std::vector<std::string>&)>& before_first_tick);
+                                Progress& progress, const BeforeFirstTick& before_first_tick);
+// The same with a servo that may be in another process, and reads the engine's windows.
+[[nodiscard]] ServoRun runServo(const Scene& scene, RigVolume volume, ServoSide& servo, Engine& engine, RigEdits* edits,
+                                Progress& progress, const BeforeFirstTick& before_first_tick);
 
 }  // namespace palpate

@@ -9,7 +9,7 @@
 #include "apps/load/load_and_tell.hpp"
 #include "apps/touch/live_edits.hpp"
 #include "apps/touch/scene_plan.hpp"
-#include "apps/touch/scene_settings.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
 #include "apps/touch/servo_run.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"

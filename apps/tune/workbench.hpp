@@ -19,7 +19,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/rig/touch_rig.hpp"
-#include "apps/touch/scene_objects.hpp"
+#include "apps/servo_setup/scene_objects.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/tune/candidate.hpp"
 #include "apps/tune/shelf.hpp"

@@ -32,6 +32,13 @@ class SampledPath final : public Path {
   [[nodiscard]] Vec3 position(double time_s) const noexcept override;
   [[nodiscard]] double duration_s() const noexcept override { return times_s_.back(); }
 
+  // What it was made of, from time 0 on: another path of these is the same, to the bit.
+  [[nodiscard]] const std::vector<double>& times_s() const noexcept { return times_s_; }
+  [[nodiscard]] const std::vector<Vec3>& points_W() const noexcept { return points_W_; }
+  [[nodiscard]] Interpolation interpolation() const noexcept {
+    return tangents_W_.empty() ? Interpolation::kLinear : Interpolation::kCubic;
+  }
+
  private:
   [[nodiscard]] Vec3 tangent(std::size_t i) const noexcept;  // [m/s]
 

@@ -9,8 +9,8 @@ namespace hid_faults_test {
 using testing::HasSubstr;
 
 struct Account {
-  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0, left_400ms_N = 0, left_600ms_N = 0, silent = 0, extra = 0,
-         spoiled = 0, force_later_N = 0;
+  double reports = 0, force_max_N = 0, force_rise_max_N = 0, faults = 0, left_400ms_N = 0, left_600ms_N = 0, silent = 0,
+         extra = 0, spoiled = 0, force_later_N = 0;
 };
 
 class HidFaults : public EmulatedHid {
@@ -110,9 +110,9 @@ TEST_F(HidFaults, ACableThatIsPluggedInAgainBringsTheDeviceBackWithoutForce) {
   EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
   EXPECT_EQ(figure("disconnects"), 1);
   EXPECT_EQ(figure("reconnects"), 1);
-  EXPECT_GT(figure("reports_received"), 1100);   // it answers again
-  EXPECT_GT(account().force_max_N, 0.1);  // before
-  EXPECT_EQ(account().force_later_N, 0);  // as the arm took it
+  EXPECT_GT(figure("reports_received"), 1100);  // it answers again
+  EXPECT_GT(account().force_max_N, 0.1);        // before
+  EXPECT_EQ(account().force_later_N, 0);        // as the arm took it
   EXPECT_THAT(outcome.out, HasSubstr("force-off"));
   const Trace trace = readTrace(file("out") / "trace.csv");
   ASSERT_GT(trace.rows.size(), 3000U);
@@ -144,6 +144,34 @@ TEST_F(HidFaults, AKilledProgramLeavesTheForceToTheWatchdog) {
   const Account a = account();
   EXPECT_GT(a.left_400ms_N, 0.05);
   EXPECT_EQ(a.left_600ms_N, 0);
+}
+
+// With the servo in a process of its own it is the engine that is killed: the servo brings the force to zero itself,
+// long before the watchdog would. The shell lives on, so that the arm is still served.
+TEST_F(HidFaults, AKilledEngineLeavesNoForce) {
+  writeWay("phantom:sphere?size=64", 2, 2, 0.5);
+  std::string touch = std::string("timeout -s KILL 3 ") + PALPATE_PROGRAM;
+  for (const std::string& word : pressing("60"))
+    touch += " '" + (word == "simulated" ? std::string("real") : word) + "'";
+  const Outcome outcome = emulate({"--path", "way.csv", "--at", "0,0,0", "--paced", "--log", "log"},
+                                  {"sh", "-c", touch + " --service; sleep 1"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Account a = account();
+  EXPECT_GT(a.force_max_N, 0.05);
+  EXPECT_EQ(a.left_400ms_N, 0);
+}
+
+// The same tick by tick, through hidapi in the other process.
+TEST_F(HidFaults, AreTheSameWithTheServoInAProcessOfItsOwn) {
+  writeWay("phantom:sphere?size=64", 1, 2);
+  const Words machine = {"--path", "way.csv", "--at", "0,0,0"};
+  ASSERT_EQ(on(machine, pressing("1") + Words{"--out", "one"}).status, 0);
+  const Outcome outcome = on(machine, pressing("1") + Words{"--out", "two", "--service"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(contentsOf(file("one") / "trace.csv") == contentsOf(file("two") / "trace.csv"));
+  EXPECT_EQ(summary("one")["device"]["force_off"], summary("two")["device"]["force_off"]);
+  for (const char* count : {"reports_written", "reports_received", "reports_lost", "calibrations"})
+    EXPECT_EQ(figure(count, "one"), figure(count, "two")) << count;
 }
 
 }  // namespace hid_faults_test

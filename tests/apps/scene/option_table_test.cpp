@@ -201,10 +201,10 @@ TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
 }
 
 // A flag without a value would swallow none, or one with a value the volume behind it.
-TEST(OptionTable, TwoFlagsAloneHaveNoValue) {
+TEST(OptionTable, ThreeFlagsAloneHaveNoValue) {
   for (const SceneOption& option : sceneOptions()) {
     const std::string_view flag = option.flag;
-    EXPECT_EQ(isBare(option.value), flag == "--require-real-time" || flag == "--calibrated") << flag;
+    EXPECT_EQ(isBare(option.value), flag == "--require-real-time" || flag == "--calibrated" || flag == "--service") << flag;
   }
 }
 

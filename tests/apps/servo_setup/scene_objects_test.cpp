@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/touch/scene_objects.hpp"
+#include "apps/servo_setup/scene_objects.hpp"
 
 #include <cmath>
 #include <fstream>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/touch/recording_file.hpp"
+#include "apps/servo_setup/recording_file.hpp"
 
 #include <filesystem>
 #include <fstream>

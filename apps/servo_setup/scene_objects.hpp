@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/scene_objects.hpp: makes the solid objects that the servo touches from a scene's descriptions. Set-up
-// code.
+// apps/servo_setup/scene_objects.hpp: makes the solid objects that the servo touches from a scene's descriptions.
+// Set-up code.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/rig/rig_settings.hpp: what of a rig may be changed while it runs. Any thread; no cost.
+// apps/servo_setup/rig_settings.hpp: what of a rig may be changed while it runs. Any thread; no cost.
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/scene_device.hpp: the haptic device of a run along a path, of a recorded session, or in a person's hand.
+// apps/servo_setup/scene_device.hpp: the haptic device of a run along a path, of a recorded session, or in a person's
+// hand.
 //
 // Set-up code. Throws Error: as makeDevice(), openHeldDevice(), placeHeldDevice() and loadRecording() do.
 #pragma once
@@ -9,7 +10,6 @@
 #include <string>
 
 #include "apps/held/placement_choice.hpp"
-#include "apps/report/touch_run.hpp"
 #include "apps/scene/scene.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/devices/path.hpp"
@@ -30,7 +30,5 @@ struct SceneDevice {
 };
 // `path` leads a simulated device.
 [[nodiscard]] SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBox& box);
-
-[[nodiscard]] RunDevice deviceOfRun(const std::string& name, const Device& device);
 
 }  // namespace palpate

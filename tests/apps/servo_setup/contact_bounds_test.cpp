@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Warnings before the first tick: given where the sampled loop is unstable and nowhere else, and the values that they
 // name are stable.
-#include "apps/rig/contact_bounds.hpp"
+#include "apps/servo_setup/contact_bounds.hpp"
 
 #include <cmath>
 #include <regex>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/scene_settings.hpp: turns a scene into the parameters of servo loop, device, contact effects and rig.
-// Set-up code.
+// apps/servo_setup/scene_settings.hpp: turns a scene into the parameters of servo loop, device, contact effects and
+// rig. Set-up code.
 #pragma once
 
-#include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
+#include "apps/servo_setup/rig_settings.hpp"
 #include "servo/contact/effects.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/loop/servo_loop.hpp"

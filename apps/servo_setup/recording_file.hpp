@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/touch/recording_file.hpp: recordings of devices as files (docs/recording.md). Set-up code; any thread.
+// apps/servo_setup/recording_file.hpp: recordings of devices as files (docs/recording.md). Set-up code; any thread.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/touch/scene_settings.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/touch/scene_device.hpp"
+#include "apps/servo_setup/scene_device.hpp"
 
 #include "apps/held/held_device.hpp"
-#include "apps/touch/recording_file.hpp"
-#include "apps/touch/scene_settings.hpp"
+#include "apps/servo_setup/recording_file.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "servo/devices/force_off.hpp"
 #include "servo/devices/registry.hpp"
 
 namespace palpate {
@@ -41,12 +40,6 @@ SceneDevice makeSceneDevice(const Scene& scene, const Path& path, const VolumeBo
   DeviceSetup setup{.rate_hz = scene.rate_hz};
   setup.recording = loadRecording(scene.recording);
   return {.device = makeDevice(scene.device, setup), .placement = std::nullopt, .session = setup.recording->contact};
-}
-
-RunDevice deviceOfRun(const std::string& name, const Device& device) {
-  RunDevice run{.kind = name, .force_off = std::string(wordsOf(device.forceOff()).name)};
-  for (const DeviceFigure& figure : device.figures()) run.figures.emplace_back(figure.key, figure.value);
-  return run;
 }
 
 }  // namespace palpate

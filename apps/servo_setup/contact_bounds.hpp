@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/rig/contact_bounds.hpp: can this device render this contact, or will it shake? Asked before the servo starts.
+// apps/servo_setup/contact_bounds.hpp: can this device render this contact, or will it shake? Asked before the servo
+// starts.
 //
 // The answer is that of the linear sampled loop (servo/stability/sampled_loop.hpp), for each hand that the device
 // reckons with (Device::hands()), with the largest stiffness that the settings can make. It knows no curved surface, no
@@ -10,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/rig/rig_settings.hpp"
+#include "apps/servo_setup/rig_settings.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/loop/servo_loop.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/rig/contact_bounds.hpp"
+#include "apps/servo_setup/contact_bounds.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/servo_side/remote_servo.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include "apps/scene/scene_text.hpp"
+#include "apps/servo_side/attachments.hpp"
+#include "apps/servo_side/wire_settings.hpp"
+#include "base/error.hpp"
+#include "base/thread_names.hpp"
+#include "servo/meshes/mesh_object.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kMakes_ms = 120'000;  // a device, or a mesh's search tree
+constexpr int kTick_ms = 60'000;    // between two ticks of the simulated clock, which a debugger may hold up
+
+// What the servo needs of it: not where the volume, its edits and the results lie.
+std::string servosScene(Scene scene) {
+  for (std::string* const name :
+       {&scene.volume, &scene.path_file, &scene.save, &scene.journal, &scene.record, &scene.out})
+    name->clear();
+  scene.out = Scene{}.out;
+  scene.edit = Scene{}.edit;
+  std::error_code ignored;
+  return sceneText(scene, std::filesystem::current_path(ignored));
+}
+
+}  // namespace
+
+// What is known here of a device over there.
+class RemoteServo::Proxy final : public Device {
+ public:
+  explicit Proxy(const wire::DeviceMadeT& made)
+      : name_(made.name), limits_(limitsOf(made)), hands_(handsOf(made)), force_off_(forceOffOf(made.force_off)) {}
+  [[nodiscard]] std::string_view name() const noexcept override { return name_; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return limits_; }
+  [[nodiscard]] std::vector<HandParameters> hands() const override { return hands_; }
+  [[nodiscard]] ForceOff forceOff() const noexcept override { return force_off_.load(std::memory_order_relaxed); }
+  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
+  void set(ForceOff why) noexcept { force_off_.store(why, std::memory_order_relaxed); }
+
+ private:
+  std::string name_;
+  DeviceLimits limits_;
+  std::vector<HandParameters> hands_;
+  std::atomic<ForceOff> force_off_;
+};
+
+RemoteServo::RemoteServo(Channel channel, const Request& request)
+    : channel_(std::move(channel), "the servo"), memory_(request.window_samples), tool_(memory_.tool()) {
+  const auto hello = channel_.expect<wire::HelloT>(kMakes_ms).first;
+  if (hello.layout != kLinkLayout)
+    refuse("the servo", "it knows another layout of the memory that both share", "build all programs from one version");
+  wire::MakeDeviceT make;
+  make.scene = servosScene(request.scene);
+  make.middle = wireOf(request.box.middle_W);
+  make.half = wireOf(request.box.half_W);
+  make.recorded_reads = request.recorded_reads;
+  SealedMemory way;
+  if (request.way != nullptr) {
+    way = wayMemory(*request.way);
+    make.way_points = request.way->times_s().size();
+    make.way_is_linear = request.way->interpolation() == SampledPath::Interpolation::kLinear;
+  }
+  channel_.send(std::move(make), way.descriptor());
+  const auto made = channel_.expect<wire::DeviceMadeT>(kMakes_ms).first;
+  device_ = std::make_unique<Proxy>(made);
+  if (made.is_placed) placed_ = {made.place_scale, made.force_scale};
+  if (made.session_stiffness_N_per_m > 0) session_ = {made.session_stiffness_N_per_m, made.session_damping_Ns_per_m};
+}
+
+const Device& RemoteServo::device() const noexcept {
+  return *device_;
+}
+
+// A servo that still runs finds that nobody listens, and ends.
+RemoteServo::~RemoteServo() {
+  requestStop();
+}
+
+void RemoteServo::sendMesh(const ContactObject& mesh) {
+  const auto* const object = dynamic_cast<const MeshObject*>(&mesh);
+  if (object == nullptr) return;
+  const SealedMemory memory = meshMemory(object->mesh());
+  wire::MeshT words;
+  words.vertices = object->mesh().vertices_W.size();
+  words.triangles = object->mesh().triangles.size();
+  channel_.send(std::move(words), memory.descriptor());
+}
+
+// The algorithm is made over there; here it has shown that the settings make one.
+void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settings, const RigVolume& volume,
+                           std::unique_ptr<Algorithm>) {
+  if (volume.isosurface) sendMesh(*volume.isosurface);
+  wire::MakeLoopT make;
+  make.settings = wireOf(settings);
+  make.contrast = volume.scale.contrast;
+  make.voxel_m = volume.scale.voxel_m;
+  make.ticks = loop.ticks;
+  make.record_ticks = loop.record_ticks;
+  make.doubtful = loop.instability.doubtful;
+  make.window_samples = memory_.capacity();
+  channel_.send(std::move(make), memory_.descriptor());
+  static_cast<void>(channel_.expect<wire::LoopMadeT>(kMakes_ms));
+}
+
+std::uint64_t RemoteServo::give(ServoChange change, const RigSettings& settings) {
+  wire::ChangeT words;
+  words.number = ++given_;
+  if (change.algorithm) words.settings = wireOf(settings);
+  words.force_limit_N = change.force_limit_N.value_or(0);
+  words.doubtful = change.doubtful;
+  channel_.send(std::move(words));
+  return given_;
+}
+
+LoopResult RemoteServo::runSimulated(const ServoLoop::Hook& before_tick) {
+  channel_.send(wire::StartT{});
+  while (true) {
+    std::optional<MessageChannel::Received> received = channel_.receive(kTick_ms);
+    if (!received)
+      throw Error(Error::Code::kDevice, "the servo", "its process does not answer", "end it, and start again");
+    if (const auto* const ended = contentOf<wire::EndedT>(received->body)) {
+      take(*ended, std::move(received->attached));
+      return std::move(result_);
+    }
+    if (const auto* const step = contentOf<wire::StepT>(received->body)) {
+      ended_.store(step->ended_change, std::memory_order_release);
+      if (before_tick) before_tick(step->tick, step->time_ns);
+      channel_.send(wire::GoT{});
+    }
+  }
+}
+
+void RemoteServo::start() {
+  channel_.send(wire::StartT{});
+  running_.store(true, std::memory_order_release);
+  listener_ = std::jthread([this] { listen(); });
+}
+
+void RemoteServo::listen() {
+  nameThisThread("servo link");
+  try {
+    while (running()) {
+      std::optional<MessageChannel::Received> received = channel_.receive(-1);
+      if (!received) continue;
+      if (const auto* const change = contentOf<wire::ChangeEndedT>(received->body))
+        ended_.store(change->number, std::memory_order_release);
+      if (const auto* const ended = contentOf<wire::EndedT>(received->body)) {
+        take(*ended, std::move(received->attached));
+        running_.store(false, std::memory_order_release);
+      }
+    }
+  } catch (...) {
+    failure_ = std::current_exception();
+    running_.store(false, std::memory_order_release);
+  }
+}
+
+LoopResult RemoteServo::wait() {
+  if (listener_.joinable()) listener_.join();
+  if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  return std::move(result_);
+}
+
+void RemoteServo::requestStop() noexcept {
+  if (stop_.exchange(true)) return;
+  try {
+    channel_.send(wire::StopT{});
+  } catch (...) {  // it is gone, and does not run
+  }
+}
+
+void RemoteServo::tellTicksTo(LiveTicks&) {
+  refuse("--service", "ticks cannot be watched while the servo is in a process of its own", "leave it out");
+}
+
+void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {
+  RunRecords records = recordsOf(std::move(attached), ended.records, ended.recording_bytes);
+  result_ = {.records = std::move(records.ticks),
+             .ticks_run = ended.ticks_run,
+             .ticks_skipped = ended.ticks_skipped,
+             .released = ended.released,
+             .real_time = {.asked = ended.real_time_asked,
+                           .fifo = ended.fifo,
+                           .memory_locked = ended.memory_locked,
+                           .notes = ended.notes},
+             .device = device_->limits(),
+             .first_due_ns = ended.first_due_ns};
+  if (!records.recording.empty()) recording_ = readRecording(records.recording, "the servo's recording");
+  for (const auto& figure : ended.figures)
+    if (figure) figures_.emplace_back(figure->key, figure->value);
+  device_->set(forceOffOf(ended.force_off));
+}
+
+}  // namespace palpate

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/servo_side/remote_servo.hpp: the servo of a rig in a process of its own, seen from the engine's. As
+// servo_side.hpp says; docs/service-protocol.md has the order of the messages.
+//
+// The other process makes device, algorithm and loop from the same scene, and reads windows from memory that both
+// share. By the simulated clock it asks before each tick, so that the records are the same as in one process, bit for
+// bit. If it dies, wait() and runSimulated() throw Error(kDevice). If this process dies, the other one brings the force
+// to zero and ends.
+#pragma once
+
+#include <atomic>
+#include <exception>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "apps/held/placement_choice.hpp"
+#include "apps/scene/scene.hpp"
+#include "apps/servo_side/servo_side.hpp"
+#include "service/memory/link_memory.hpp"
+#include "service/messages/message_channel.hpp"
+#include "servo/devices/path.hpp"
+#include "servo/devices/recording.hpp"
+
+namespace palpate {
+
+class RemoteServo final : public ServoSide {
+ public:
+  struct Request {
+    const Scene& scene;              // whose device it makes
+    VolumeBox box;                   // of the volume, for a device that a person holds
+    const SampledPath* way;          // of a device that none holds; null: none
+    std::size_t window_samples = 0;  // that a window has at most
+    std::size_t recorded_reads = 0;  // of the device, to keep for recording(); 0: none
+  };
+  // Makes the device over there. Throws Error: as makeSceneDevice() does; kDevice, kBadInput as MessageChannel does.
+  RemoteServo(Channel channel, const Request& request);
+  ~RemoteServo() override;
+  RemoteServo(const RemoteServo&) = delete;
+  RemoteServo& operator=(const RemoteServo&) = delete;
+
+  // For the engine, before the loop is made.
+  [[nodiscard]] LinkMemory& memory() noexcept { return memory_; }
+  struct PlacedScales {
+    double scale = 1, force_scale = 1;  // as Placement has them
+  };
+  [[nodiscard]] const std::optional<PlacedScales>& placed() const noexcept {
+    return placed_;
+  }  // empty: nobody holds it
+  // With which a recorded session was felt; empty: none is played back.
+  [[nodiscard]] const std::optional<RecordedContact>& session() const noexcept { return session_; }
+
+  [[nodiscard]] const Device& device() const noexcept override;
+  [[nodiscard]] ToolPoseMailbox& tool() noexcept override { return tool_; }
+  void makeLoop(const LoopParameters& loop, const RigSettings& settings, const RigVolume& volume,
+                std::unique_ptr<Algorithm> algorithm) override;
+  std::uint64_t give(ServoChange change, const RigSettings& settings) override;
+  [[nodiscard]] bool ended(std::uint64_t number) const noexcept override {
+    return ended_.load(std::memory_order_acquire) >= number;
+  }
+  [[nodiscard]] LoopResult runSimulated(const ServoLoop::Hook& before_tick) override;
+  void start() override;
+  [[nodiscard]] bool running() const noexcept override { return running_.load(std::memory_order_acquire); }
+  [[nodiscard]] LoopResult wait() override;
+  void requestStop() noexcept override;
+  void tellTicksTo(LiveTicks& live) override;
+
+  // After a run.
+  [[nodiscard]] const std::vector<std::pair<std::string, double>>& deviceFigures() const noexcept { return figures_; }
+  [[nodiscard]] const std::optional<Recording>& recording() const noexcept { return recording_; }
+
+ private:
+  class Proxy;
+
+  void sendMesh(const ContactObject& mesh);
+  void take(const wire::EndedT& ended, Descriptor attached);
+  void listen();
+
+  MessageChannel channel_;
+  std::unique_ptr<Proxy> device_;
+  std::optional<PlacedScales> placed_;
+  std::optional<RecordedContact> session_;
+  LinkMemory memory_;
+  ToolPoseMailbox tool_;
+  std::uint64_t given_ = 0;
+  std::atomic<std::uint64_t> ended_{0};
+  std::atomic<bool> running_{false}, stop_{false};
+  LoopResult result_;
+  std::vector<std::pair<std::string, double>> figures_;
+  std::optional<Recording> recording_;
+  std::exception_ptr failure_;
+  std::jthread listener_;  // last member: it uses the others
+};
+
+}  // namespace palpate

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rig whose servo is behind a channel, here in a thread of the same process: the same records, bit for bit, as with
+// the servo beside it, whatever changes meanwhile; and what becomes of it when either side is gone.
+#include <cstring>
+#include <optional>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/rig/touch_rig.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
+#include "apps/servo_side/remote_servo.hpp"
+#include "apps/servo_side/servo_host.hpp"
+#include "engine/field/isosurface_mesh.hpp"
+#include "engine/phantoms/phantom.hpp"
+#include "servo/meshes/mesh_object.hpp"
+#include "servo/safety/faults.hpp"
+#include "tests/servo/support/seeded.hpp"
+#include "tests/support/open_descriptors.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace palpate {
+namespace remote_rig_test {
+
+using testing::HasSubstr;
+
+// A servo's side in a thread.
+class Host {
+ public:
+  Host() {
+    auto [ours, theirs] = channelPair();
+    channel_ = std::move(ours);
+    thread_ = std::thread([this, theirs = std::move(theirs)]() mutable {
+      try {
+        runServoHost(std::move(theirs));
+      } catch (const Error& error) {
+        ended_with = error.what();
+      }
+    });
+  }
+  ~Host() {
+    channel_.close();
+    join();
+  }
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+  Channel takeChannel() { return std::move(channel_); }
+  void join() {
+    if (thread_.joinable()) thread_.join();
+  }
+  std::string ended_with;
+
+ private:
+  Channel channel_;
+  std::thread thread_;
+};
+
+class RemoteRig : public testing::Test {
+ protected:
+  RemoteRig() : phantom(makePhantom("phantom:sphere?size=48")), volume(makeVolume(*phantom)) {
+    scene.volume = "phantom:sphere?size=48";
+    scene.simulated_clock = true;
+    scene.duration_s = 0.9;
+    const Vec3 centre_W = volume.lattice().toWorld(0.5 * (volume.size() - Vec3i::Ones()).cast<double>());
+    double radius_m = 0;
+    while (phantom->offset(centre_W + radius_m * Vec3::UnitX()).distance_m < 0) radius_m += 1e-6;
+    const auto below = [&](double depth_m) { return Vec3(centre_W + (radius_m - depth_m) * Vec3::UnitX()); };
+    path.emplace(std::vector<double>{0, 0.1, 1.0}, std::vector<Vec3>{below(-4e-3), below(1e-3), below(1e-3)},
+                 SampledPath::Interpolation::kCubic);
+    other_isovalues.other_isovalues = true;
+  }
+
+  using Act = std::function<void(TouchRig& rig, std::int64_t tick)>;
+  RigVolume rigVolume() const { return {.scale = densityScaleOf(volume, phantom->isovalue()), .isosurface = mesh}; }
+
+  LoopResult local(const Act& act) {
+    Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
+    const auto device = makeDevice(scene.device, deviceSetup(scene, *path));
+    TouchRig rig(engine, *device, loopParameters(scene), rigVolume(), rigSettings(scene, phantom->isovalue()));
+    return rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) { act(rig, tick); });
+  }
+  LoopResult remote(const Act& act, std::size_t shift = 0) {
+    static_cast<void>(shift);
+    Host host;
+    RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
+    Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
+    LinkMemory& memory = servo.memory();
+    engine.shareWindows({.block = &memory.windows(),
+                         .samples = memory.samples(),
+                         .capacity = memory.capacity(),
+                         .bytes = memory.windowBytes()});
+    TouchRig rig(engine, servo, loopParameters(scene), rigVolume(), rigSettings(scene, phantom->isovalue()));
+    LoopResult result = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) { act(rig, tick); });
+    host.join();
+    EXPECT_EQ(host.ended_with, "");
+    return result;
+  }
+  void expectSame(const Act& act) {
+    const LoopResult here = local(act), there = remote(act);
+    ASSERT_GT(here.records.size(), 100U);
+    ASSERT_EQ(there.records.size(), here.records.size());
+    EXPECT_EQ(std::memcmp(there.records.data(), here.records.data(), here.records.size() * sizeof(TickRecord)), 0);
+    EXPECT_EQ(there.ticks_run, here.ticks_run);
+    EXPECT_EQ(there.ticks_skipped, here.ticks_skipped);
+    EXPECT_EQ(there.released, here.released);
+    EXPECT_EQ(there.device.force_limit_N, here.device.force_limit_N);
+  }
+
+  std::unique_ptr<Phantom> phantom;
+  Volume volume;
+  Scene scene;
+  std::optional<SampledPath> path;
+  EngineRequest other_isovalues;
+  std::shared_ptr<const ContactObject> mesh;
+};
+
+TEST_F(RemoteRig, FeelsTheSameBitForBit) {
+  expectSame([](TouchRig&, std::int64_t) {});
+  scene.spring_hand = true;
+  scene.encoder_resolution_m = 50e-6;
+  scene.texture = "procedural";
+  scene.friction_static = 0.4;
+  scene.stiffness_density = {{0, 1}, {100, 2}};
+  expectSame([](TouchRig&, std::int64_t) {});
+}
+
+TEST_F(RemoteRig, TakesTheIsosurfacesMesh) {
+  scene.algorithm = "god-object";
+  mesh = std::make_shared<const MeshObject>(isosurfaceMesh(volume, phantom->isovalue()), "isosurface");
+  expectSame([](TouchRig&, std::int64_t) {});
+}
+
+// Other algorithms, settings and isovalues while it runs, and an early end: taken in the same ticks.
+TEST_F(RemoteRig, ChangesInTheSameTicks) {
+  const char* const names[] = {"hri", "blezek", "implicit", "hri-paper"};
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    const auto act = [&](const std::shared_ptr<Seeded>& random) {
+      return [&names, random](TouchRig& rig, std::int64_t tick) {
+        if (tick == 800) rig.requestStop();
+        if (tick < 50 || random->pick(25) != 0) return;
+        RigSettings next = rig.settings();
+        next.algorithm = names[random->pick(4)];
+        next.parameters.stiffness_N_per_m = random->logBetween(50, 3000);
+        next.parameters.plane_renewal_ticks = 1 + random->pick(20);
+        next.force_limit_N = random->logBetween(0.1, 8);
+        if (random->pick(3) == 0) next.parameters.isovalue = static_cast<float>(random->between(-0.2, 0.2));
+        rig.change(next);
+      };
+    };
+    const LoopResult here = local(act(std::make_shared<Seeded>(seed)));
+    const LoopResult there = remote(act(std::make_shared<Seeded>(seed)));
+    ASSERT_EQ(here.records.size(), 801U);  // the tick of the request is the last
+    ASSERT_EQ(there.records.size(), 801U);
+    EXPECT_EQ(std::memcmp(there.records.data(), here.records.data(), here.records.size() * sizeof(TickRecord)), 0);
+  }
+}
+
+TEST_F(RemoteRig, RunsByTheRealClock) {
+  scene.simulated_clock = false;
+  scene.duration_s = 0.5;
+  Host host;
+  RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
+  Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
+  LinkMemory& memory = servo.memory();
+  engine.shareWindows({&memory.windows(), memory.samples(), memory.capacity(), memory.windowBytes(), 1});
+  TouchRig rig(engine, servo, loopParameters(scene), rigVolume(), rigSettings(scene, phantom->isovalue()));
+  rig.start();
+  RigSettings next = rig.settings();
+  next.parameters.stiffness_N_per_m = 100;
+  rig.change(next);
+  const LoopResult run = rig.wait();
+  EXPECT_EQ(run.ticks_run + run.ticks_skipped, 500);
+  EXPECT_TRUE(run.released);
+  std::int64_t contact = 0;
+  for (const TickRecord& record : run.records) contact += record.in_contact ? 1 : 0;
+  EXPECT_GT(contact, 100);
+  // The stiffness that came later: 100 N/m, and 0.5 N s/m times a speed of some millimetres a second.
+  const TickRecord& last = run.records.back();
+  EXPECT_NEAR(asVec3(last.force_W).norm(), 100 * last.depth_m, 0.02);
+  EXPECT_GT(last.depth_m, 1e-3);
+}
+
+// The engine's side vanishes in contact: the servo brings the force to zero, and says who is gone.
+TEST_F(RemoteRig, TheServoEndsWithoutAnEngine) {
+  scene.simulated_clock = false;
+  scene.duration_s = 60;
+  Host host;
+  {
+    RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
+    servo.makeLoop(loopParameters(scene), rigSettings(scene, phantom->isovalue()), rigVolume(), nullptr);
+    servo.start();
+    while (servo.tool().latest().tick < 20) std::this_thread::yield();
+  }
+  host.join();  // and does not run for a minute
+  EXPECT_TRUE(host.ended_with.empty() || host.ended_with.find("the engine: its process has ended") == 0)
+      << host.ended_with;
+}
+
+// What cannot be made there is refused with the words of one process.
+TEST_F(RemoteRig, RefusalsComeBack) {
+  scene.device = "recorded";
+  scene.recording = "none.rec";
+  Host host;
+  EXPECT_THAT(refusalOf(
+                  [&] {
+                    RemoteServo servo(host.takeChannel(), {scene, {}, nullptr, 512});
+                  },
+                  Error::Code::kNotFound),
+              HasSubstr("none.rec: the recording cannot be opened"));
+  host.join();
+  EXPECT_THAT(host.ended_with, HasSubstr("none.rec"));
+}
+
+TEST_F(RemoteRig, LeavesNothingOpen) {
+  const auto once = [&] { static_cast<void>(remote([](TouchRig&, std::int64_t) {})); };
+  once();
+  const long before = openDescriptors();
+  for (int i = 0; i < 3; ++i) once();
+  EXPECT_EQ(openDescriptors(), before);
+}
+
+}  // namespace remote_rig_test
+}  // namespace palpate

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/servo_side/attachments.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/servo/support/seeded.hpp"
+#include "tests/support/refusal.hpp"
+
+namespace palpate {
+namespace attachments_test {
+
+Descriptor sent(const SealedMemory& memory) {
+  return Descriptor(fcntl(memory.descriptor(), F_DUPFD_CLOEXEC, 0));
+}
+
+TEST(Attachments, AWayIsTheSameToTheBit) {
+  Seeded random(1);
+  for (const int points : {1, 2, 50}) {
+    for (const auto how : {SampledPath::Interpolation::kLinear, SampledPath::Interpolation::kCubic}) {
+      std::vector<double> times;
+      std::vector<Vec3> places;
+      for (int i = 0; i < points; ++i) {
+        times.push_back(0.3 + 0.1 * i);
+        places.push_back(random.inCube(1));
+      }
+      const SampledPath way(times, places, how);
+      const SampledPath back = wayOf(sent(wayMemory(way)), static_cast<std::uint64_t>(points),
+                                     way.interpolation() == SampledPath::Interpolation::kLinear);
+      EXPECT_EQ(back.duration_s(), way.duration_s());
+      for (double t = -0.1; t < 6; t += 0.013) ASSERT_EQ(back.position(t), way.position(t)) << points << " " << t;
+    }
+  }
+}
+
+TEST(Attachments, AMeshIsTheSame) {
+  Seeded random(2);
+  TriangleMesh mesh;
+  for (int i = 0; i < 30; ++i) mesh.vertices_W.push_back(random.inCube(1));
+  for (std::uint32_t i = 0; i < 28; ++i) mesh.triangles.push_back({i, i + 1, i + 2});
+  const TriangleMesh back = meshOf(sent(meshMemory(mesh)), 30, 28);
+  EXPECT_EQ(back.vertices_W, mesh.vertices_W);
+  EXPECT_EQ(back.triangles, mesh.triangles);
+}
+
+TEST(Attachments, RecordsAreTheSame) {
+  RunRecords records;
+  for (int i = 0; i < 100; ++i) records.ticks.push_back({.tick = i, .time_s = 0.1 * i, .depth_m = 1e-3 * i});
+  records.recording = "any bytes";
+  const RunRecords back = recordsOf(sent(recordsMemory(records)), 100, 9);
+  ASSERT_EQ(back.ticks.size(), 100U);
+  EXPECT_EQ(back.ticks[99].depth_m, 0.099);
+  EXPECT_EQ(back.recording, "any bytes");
+  EXPECT_TRUE(recordsOf(sent(recordsMemory({})), 0, 0).ticks.empty());
+}
+
+// Counts that another side may say.
+TEST(Attachments, CountsThatDoNotFitAreRefused) {
+  const RunRecords records{.ticks = std::vector<TickRecord>(3), .recording = ""};
+  const SealedMemory memory = recordsMemory(records);
+  for (const std::uint64_t ticks : {std::uint64_t{2}, std::uint64_t{4}, std::uint64_t{1} << 33U, UINT64_MAX})
+    EXPECT_NE(refusalOf([&] { static_cast<void>(recordsOf(sent(memory), ticks, 0)); }), kNoRefusal) << ticks;
+  EXPECT_NE(refusalOf([&] { static_cast<void>(recordsOf(Descriptor(), 3, 0)); }), kNoRefusal);
+  EXPECT_NE(refusalOf([&] { static_cast<void>(wayOf(sent(memory), UINT64_MAX, true)); }), kNoRefusal);
+  EXPECT_NE(refusalOf([&] { static_cast<void>(meshOf(sent(memory), UINT64_MAX, 1)); }), kNoRefusal);
+}
+
+}  // namespace attachments_test
+}  // namespace palpate
