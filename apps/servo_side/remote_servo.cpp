@@ -89,7 +89,7 @@ void RemoteServo::sendMesh(const ContactObject& mesh) {
   wire::MeshT words;
   words.vertices = object->mesh().vertices_W.size();
   words.triangles = object->mesh().triangles.size();
-  channel_.send(std::move(words), memory.descriptor());
+  channel_.send(words, memory.descriptor());
 }
 
 // The algorithm is made over there; here it has shown that the settings make one.

@@ -135,7 +135,7 @@ class ServoHost {
       step.tick = tick;
       step.time_ns = time_ns;
       step.ended_change = changes_ended_;
-      channel_.send(std::move(step));
+      channel_.send(step);
       for (bool go = false; !go;) {
         std::optional<MessageChannel::Received> received = channel_.receive(-1);
         if (!received) continue;
@@ -154,7 +154,7 @@ class ServoHost {
         if (!noteEnded()) continue;
         wire::ChangeEndedT words;
         words.number = changes_ended_;
-        channel_.send(std::move(words));
+        channel_.send(words);
       }
     } catch (...) {
       loop_->requestStop();
