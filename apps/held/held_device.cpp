@@ -30,16 +30,19 @@ HidChoice chosen(const Scene& scene) {
                    scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
 }
 
-// What the next program should know: that its button was pressed meanwhile, or that it counts from elsewhere.
-void noteCalibration(const Device& device, const CalibratedAs& calibrated_as) {
-  if (device.forceOff() == ForceOff::kUncalibrated) return forgetCalibration(calibrated_as.path);
-  if (device.forceOff() != ForceOff::kNone) return;
-  bool pressed = false, was_away = false;
+double figureOf(const Device& device, std::string_view key) {
   for (const DeviceFigure& figure : device.figures()) {
-    pressed = pressed || (figure.key == "calibrations" && figure.value > 0);
-    was_away = was_away || (figure.key == "disconnects" && figure.value > 0);
+    if (figure.key == key) return figure.value;
   }
-  if (pressed && !was_away) static_cast<void>(stampCalibrated(calibrated_as));
+  return 0;
+}
+
+// The stamp is away while the device is used, so that none is left of a program that is killed. It comes back, or is
+// made, where the device still counts from its home position, and it was a stamp or the device's button that said so.
+void noteCalibration(const Device& device, const CalibratedAs& calibrated_as, bool was_stamped) {
+  const bool known = was_stamped || figureOf(device, "calibrations") > 0;
+  if (known && figureOf(device, "calibrated") > 0 && figureOf(device, "disconnects") == 0)
+    static_cast<void>(stampCalibrated(calibrated_as));
 }
 
 }  // namespace
@@ -55,15 +58,18 @@ void checkHeldDevice(const Scene& scene) {
 std::shared_ptr<Device> openHeldDevice(const Scene& scene) {
   HidChoice choice = chosen(scene);
   const CalibratedAs calibrated_as = choice.asCalibrated();
+  const bool was_stamped = isStampedCalibrated(calibrated_as);
   DeviceSetup setup{.rate_hz = scene.rate_hz,
                     .values = std::move(choice.values),
                     .open = std::move(choice.open),
                     .simulated_clock = scene.simulated_clock,
-                    .calibrated = scene.device_calibrated || isStampedCalibrated(calibrated_as),
+                    .calibrated = scene.device_calibrated || was_stamped,
                     .thread_begins = [] { static_cast<void>(becomeRealTime(kLinkPriority)); }};
   if (scene.current_limit_A) setup.values["current_limit_A"] = *scene.current_limit_A;
-  return {makeDevice(kindOf(scene).family, setup).release(), [calibrated_as](Device* device) {
-            noteCalibration(*device, calibrated_as);
+  std::unique_ptr<Device> made = makeDevice(kindOf(scene).family, setup);
+  forgetCalibration(calibrated_as.path);
+  return {made.release(), [calibrated_as, was_stamped](Device* device) {
+            noteCalibration(*device, calibrated_as, was_stamped);
             delete device;
           }};
 }

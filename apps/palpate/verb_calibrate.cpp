@@ -66,6 +66,7 @@ void calibrate(const CalibrateArguments& arguments) {
     return;
   }
   if (!arguments.yes) awaitEnter();
+  forgetCalibration(choice.device.path);  // from now on it counts from elsewhere
   device->calibrate();
   Vec3 position = Vec3::Zero();
   for (int waited_ms = 0; device->forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/remote_servo.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr int kMakes_ms = 120'000;  // a device, or a mesh's search tree
+constexpr int kStopLook_ms = 50;    // how long a request to stop may go unseen
 constexpr int kTick_ms = 60'000;    // between two ticks of the simulated clock, which a debugger may hold up
 
 // What the servo needs of it: not where the volume, its edits and the results lie.
@@ -77,7 +79,7 @@ const Device& RemoteServo::device() const noexcept {
   return *device_;
 }
 
-// A servo that still runs finds that nobody listens, and ends.
+// A servo that still runs is waited for, but not without an end (listen()).
 RemoteServo::~RemoteServo() {
   requestStop();
 }
@@ -110,12 +112,12 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
 
 std::uint64_t RemoteServo::give(ServoChange change, const RigSettings& settings) {
   wire::ChangeT words;
-  words.number = ++given_;
+  words.number = given_.fetch_add(1) + 1;
   if (change.algorithm) words.settings = wireOf(settings);
   words.force_limit_N = change.force_limit_N.value_or(0);
   words.doubtful = change.doubtful;
   channel_.send(std::move(words));
-  return given_;
+  return given_.load();
 }
 
 LoopResult RemoteServo::runSimulated(const ServoLoop::Hook& before_tick) {
@@ -129,7 +131,7 @@ LoopResult RemoteServo::runSimulated(const ServoLoop::Hook& before_tick) {
       return std::move(result_);
     }
     if (const auto* const step = contentOf<wire::StepT>(received->body)) {
-      ended_.store(step->ended_change, std::memory_order_release);
+      ended_.store(std::min(step->ended_change, given_.load()), std::memory_order_release);
       if (before_tick) before_tick(step->tick, step->time_ns);
       channel_.send(wire::GoT{});
     }
@@ -145,11 +147,17 @@ void RemoteServo::start() {
 void RemoteServo::listen() {
   nameThisThread("servo link");
   try {
-    while (running()) {
-      std::optional<MessageChannel::Received> received = channel_.receive(-1);
-      if (!received) continue;
+    for (int stopping_ms = 0; running();) {
+      std::optional<MessageChannel::Received> received = channel_.receive(kStopLook_ms);
+      if (!received) {
+        // One that hangs is not waited for without an end.
+        stopping_ms += stop_.load() ? kStopLook_ms : 0;
+        if (stopping_ms >= MessageChannel::kPatience_ms)
+          throw Error(Error::Code::kDevice, "the servo", "its process does not answer", "end it, and start again");
+        continue;
+      }
       if (const auto* const change = contentOf<wire::ChangeEndedT>(received->body))
-        ended_.store(change->number, std::memory_order_release);
+        ended_.store(std::min(change->number, given_.load()), std::memory_order_release);
       if (const auto* const ended = contentOf<wire::EndedT>(received->body)) {
         take(*ended, std::move(received->attached));
         running_.store(false, std::memory_order_release);

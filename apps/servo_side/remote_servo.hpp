@@ -84,7 +84,7 @@ class RemoteServo final : public ServoSide {
   std::optional<RecordedContact> session_;
   LinkMemory memory_;
   ToolPoseMailbox tool_;
-  std::uint64_t given_ = 0;
+  std::atomic<std::uint64_t> given_{0};
   std::atomic<std::uint64_t> ended_{0};
   std::atomic<bool> running_{false}, stop_{false};
   LoopResult result_;

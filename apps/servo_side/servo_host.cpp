@@ -67,6 +67,7 @@ class ServoHost {
   }
 
   void makeDevice(const wire::MakeDeviceT& make, Descriptor way) {
+    if (device_) refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
     readSceneText(make.scene, "the engine's scene", {}, scene_);
     objects_ = makeSceneObjects(scene_.objects);
     const VolumeBox box{.middle_W = vectorOf(make.middle), .half_W = vectorOf(make.half)};
@@ -97,6 +98,8 @@ class ServoHost {
   }
 
   void takeMesh(const wire::MeshT& mesh, Descriptor memory) {
+    if (loop_)
+      refuse("the engine", "it sends a mesh where none may be", "start programs of the same version of Palpate");
     volume_.isosurface =
         std::make_shared<const MeshObject>(meshOf(std::move(memory), mesh.vertices, mesh.triangles), "isosurface");
   }

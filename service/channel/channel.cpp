@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <utility>
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -28,9 +29,12 @@ constexpr int kMostAttached = 4;  // that one message can bring; more than one e
 
 bool waitFor(int socket, short event, int most_ms) {
   pollfd wait{.fd = socket, .events = event, .revents = 0};
-  int found = 0;
-  do found = poll(&wait, 1, most_ms);
-  while (found < 0 && errno == EINTR && most_ms < 0);
+  const auto end = Clock::now() + std::chrono::milliseconds(std::max(0, most_ms));
+  int found = poll(&wait, 1, most_ms);
+  while (found < 0 && errno == EINTR) {  // a signal is no answer
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now()).count();
+    found = poll(&wait, 1, most_ms < 0 ? -1 : static_cast<int>(std::max<std::int64_t>(0, left)));
+  }
   return found > 0;
 }
 
@@ -119,6 +123,7 @@ Channel::Got Channel::receive(Packet& packet, int most_ms) {
   if (!socket_) return Got::kClosed;
   iovec part{.iov_base = packet.bytes.data(), .iov_len = packet.bytes.size()};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostAttached * sizeof(int))> control{};
+  bool was_reset = false;
   while (true) {
     msghdr message{};
     message.msg_iov = &part;
@@ -127,6 +132,8 @@ Channel::Got Channel::receive(Packet& packet, int most_ms) {
     message.msg_controllen = control.size();
     const ssize_t count = recvmsg(socket_.get(), &message, MSG_CMSG_CLOEXEC);
     if (count < 0 && errno == EINTR) continue;
+    // The other side ended without reading all; what it said before is still there.
+    if (count < 0 && errno == ECONNRESET && !std::exchange(was_reset, true)) continue;
     if (count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) {
       if (most_ms == 0 || !waitFor(socket_.get(), POLLIN, most_ms)) return Got::kNothing;
       most_ms = 0;

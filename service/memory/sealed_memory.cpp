@@ -45,7 +45,7 @@ SealedMemory::SealedMemory(Descriptor given, std::size_t bytes) : file_(std::mov
 }
 
 void SealedMemory::map() {
-  void* const at = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED, file_.get(), 0);
+  void* const at = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file_.get(), 0);
   if (at == MAP_FAILED) refuseRoom(bytes_);
   data_ = static_cast<std::byte*>(at);
 }

@@ -60,8 +60,8 @@ class Device {
   // Empty: nothing is known of them, or no force moves the device. Set-up code; allocates.
   [[nodiscard]] virtual std::vector<HandParameters> hands() const { return {}; }
 
-  // Why it exerts no force now. Any thread. For any reason but kInputOnly the servo fades the force, so that it comes back
-  // evenly.
+  // Why it exerts no force now. Any thread. For any reason but kInputOnly the servo fades the force, so that it comes
+  // back evenly.
   [[nodiscard]] virtual ForceOff forceOff() const noexcept { return ForceOff::kNone; }
   // What happened so far. Any thread; allocates.
   [[nodiscard]] virtual std::vector<DeviceFigure> figures() const { return {}; }

@@ -27,8 +27,7 @@ struct ForceOffWords {
       return {"uncalibrated", "the device does not know where its handle is",
               "put the handle into its home position and press the calibration button, or run 'palpate calibrate'"};
     case ForceOff::kLimitZero:
-      return {"limit-zero", "the force limit is 0",
-              "raise force_limit_N in the table of its kind (docs/devices.md)"};
+      return {"limit-zero", "the force limit is 0", "raise force_limit_N in the table of its kind (docs/devices.md)"};
     case ForceOff::kDisconnected:
       return {"disconnected", "the device is not connected", "plug it in; it is found again by itself"};
     case ForceOff::kClutched:

@@ -17,7 +17,6 @@ namespace palpate {
 namespace {
 
 constexpr double kFastest_m_per_s = 10;  // a hand's fastest punch
-constexpr double kLongestStep_s = 0.01;  // between two reports in a row; after a longer one it may be anywhere near
 constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
 constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
 constexpr int kFirstReport_ms = 1000;
@@ -195,6 +194,7 @@ std::vector<DeviceFigure> PolhemDevice::figures() const {
           {"disconnects", value(f.disconnects)},
           {"reconnects", value(f.reconnects)},
           {"calibrations", value(valueOf(calibrations_))},
+          {"calibrated", calibrated_.load(std::memory_order_relaxed) ? 1.0 : 0.0},
           {"report_period_us", report_period_s_ * 1e6},
           {"write_p50_us", f.write_p50_us},
           {"write_p99_us", f.write_p99_us},
@@ -206,7 +206,6 @@ void PolhemDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     link_.exchange();
     ++silent_ticks_;
-    ++unheard_ticks_;
     take(link_.newest());
   }
 }
@@ -234,19 +233,17 @@ void PolhemDevice::countOn(const PolhemCounts& raw) noexcept {
   leaps_ = 0;
 }
 
-// How far a hand can have moved the handle since the last report, of which `reports` is the number ago. Where the servo
-// left out some, the time between is known in full; where none came, the handle is believed to be near.
-double PolhemDevice::longestWay_m(const Received& received, std::uint64_t reports) const noexcept {
+// How far a hand can have moved the handle since the last report that counted told where it was. A thread that reads
+// late knows since when that may have been.
+double PolhemDevice::longestWay_m(const Received& received) const noexcept {
   const double time_s = use_.simulated_clock
-                            ? unheard_ticks_ / use_.rate_hz
-                            : static_cast<double>(received.time_ns - heard_ns_) / kNanosecondsPerSecond;
-  const double longest_s = kLongestStep_s * static_cast<double>(reports);
-  return kFastest_m_per_s * std::max(std::min(time_s, longest_s), 1 / use_.rate_hz);
+                            ? silent_ticks_ / use_.rate_hz
+                            : static_cast<double>(received.time_ns - asked_ns_) / kNanosecondsPerSecond;
+  return kFastest_m_per_s * std::max(time_s, 1 / use_.rate_hz);
 }
 
 void PolhemDevice::take(const Received& received) noexcept {
   if (received.number == seen_) return;
-  const std::uint64_t reports = received.number - seen_;
   seen_ = received.number;
   const auto state = parsePolhem(received.report.content(), static_cast<std::size_t>(parameters_.report_bytes));
   if (!state) return countOne(garbage_);
@@ -258,9 +255,7 @@ void PolhemDevice::take(const Received& received) noexcept {
     countFrom(state->counts);
   }
   if (state->asks_for_calibration && (!calibrating_ || ++asked_reports_ > kAskAgain)) calibrate();
-  const double longest_m = longestWay_m(received, reports);
-  heard_ns_ = received.time_ns;
-  unheard_ticks_ = 0;
+  const double longest_m = longestWay_m(received);
   const bool was_told = calibrating_ && received.requests >= request_;
   if (was_told && !state->asks_for_calibration && isHome(state->counts)) {
     calibrating_ = false;
@@ -272,24 +267,29 @@ void PolhemDevice::take(const Received& received) noexcept {
   }
   connection_.store(received.connection, std::memory_order_relaxed);
   received_ns_ = received.time_ns;
+  asked_ns_ = received.asked_ns;
   silent_ticks_ = 0;
   pressed_ = state->pressed;
   angles_ = arm_.angles(counts_);
   position_A_ = arm_.position(angles_);
 }
 
-// Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed.
+// Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed. After a leap,
+// what lies nearer to it than to where the handle was leaps, too, however much time has passed meanwhile.
 bool PolhemDevice::follows(const PolhemCounts& raw, double longest_m) noexcept {
   const ArmCounts before = counts_;
   const PolhemCounts raw_before = raw_;
   const int leaps = leaps_;
   countOn(raw);
-  if ((arm_.position(arm_.angles(counts_)) - position_A_).norm() <= longest_m) return true;
+  const Vec3 at_A = arm_.position(arm_.angles(counts_));
+  const double way_m = (at_A - position_A_).norm();
+  if (way_m <= longest_m && (leaps == 0 || way_m < (at_A - leapt_to_A_).norm())) return true;
   countOne(implausible_);
   if (leaps + 1 < kMostLeaps) {
     counts_ = before;
     raw_ = raw_before;
     leaps_ = leaps + 1;
+    leapt_to_A_ = at_A;
     return false;
   }
   calibrated_.store(false, std::memory_order_relaxed);

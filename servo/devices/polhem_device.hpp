@@ -84,7 +84,7 @@ class PolhemDevice final : public Device {
   void countFrom(const PolhemCounts& raw) noexcept;
   void countOn(const PolhemCounts& raw) noexcept;
   [[nodiscard]] bool isThere() const noexcept;
-  [[nodiscard]] double longestWay_m(const Received& received, std::uint64_t reports) const noexcept;
+  [[nodiscard]] double longestWay_m(const Received& received) const noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
 
@@ -96,16 +96,16 @@ class PolhemDevice final : public Device {
   std::atomic<std::uint64_t> connection_{0};  // of the last report that counted
   std::uint64_t requests_ = 0, request_ = 0;  // that were heard of last; that a calibration waits for
   std::int64_t received_ns_ = 0;              // when the last report that counted came
-  std::int64_t heard_ns_ = 0;                 // likewise, of those that did not count, too
+  std::int64_t asked_ns_ = 0;                 // since when that may have been so
   double report_period_s_ = 0;                // measured at the start; 0: by the simulated clock, or nothing came [s]
   int silent_ticks_ = 0;                      // simulated clock: since the last report that counted
-  int unheard_ticks_ = 0;                     // simulated clock: since the last report
   bool pressed_ = false;                      // the handle's switch
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
   int leaps_ = 0;                                           // in a row
-  int asked_reports_ = 0;                                   // since the device was told to count from home
+  Vec3 leapt_to_A_ = Vec3::Zero();
+  int asked_reports_ = 0;  // since the device was told to count from home
   bool calibrating_ = false;
   std::atomic<bool> calibrated_;
   std::atomic<std::uint64_t> garbage_{0}, implausible_{0}, calibrations_{0};

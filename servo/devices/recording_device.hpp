@@ -70,8 +70,8 @@ class RecordedDevice final : public Device {
   std::shared_ptr<const Recording> recording_;
   std::size_t at_ = 0;  // the tick that was read last
   bool begun_ = false, is_new_ = false;
-  std::int64_t grid_ = 0;  // periods that elapsed
-  std::int64_t due_ = 0;   // periods after which tick `at_` was read
+  std::int64_t grid_ = 0;                             // periods that elapsed
+  std::int64_t due_ = 0;                              // periods after which tick `at_` was read
   std::atomic<ForceOff> force_off_{ForceOff::kNone};  // at the last read
 };
 

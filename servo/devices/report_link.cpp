@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/monotonic_clock.hpp"
 #include "base/thread_names.hpp"
@@ -79,6 +80,8 @@ bool ReportLink::reopen() noexcept {
 // What the servo wanted of the device before it went away is nothing to begin with when it is back.
 void ReportLink::lose() noexcept {
   lost_at_ns_ = monotonicNow_ns();
+  waits_ = false;
+  asked_.store(false, std::memory_order_release);
   connected_.store(false, std::memory_order_release);
   port_.reset();
   count(disconnects_);
@@ -136,6 +139,8 @@ bool ReportLink::fold(const Report& report) noexcept {
 
 void ReportLink::tell() noexcept {
   last_.time_ns = monotonicNow_ns();
+  last_.asked_ns = waits_ ? asked_ns_ : last_.time_ns;
+  waits_ = false;
   ++last_.number;
   count(taken_);
   received_.back() = last_;
@@ -144,6 +149,7 @@ void ReportLink::tell() noexcept {
 
 bool ReportLink::listen(int most_ms) noexcept {
   Report report;
+  if (!std::exchange(waits_, true)) asked_ns_ = monotonicNow_ns();
   if (!port_ || readWithin(report, most_ms) != PortRead::kReport) return false;
   if (fold(report)) tell();
   return true;
@@ -151,6 +157,7 @@ bool ReportLink::listen(int most_ms) noexcept {
 
 bool ReportLink::exchange() noexcept {
   if (!port_ && !reopen()) return false;
+  if (!std::exchange(waits_, true)) asked_ns_ = monotonicNow_ns();
   if (settings_.answers && !write(outgoing())) {
     lose();
     return false;

@@ -47,6 +47,7 @@ struct LinkSettings {
 struct Received {
   Report report;
   std::int64_t time_ns = 0;      // when it came
+  std::int64_t asked_ns = 0;     // when the oldest write was begun that it may answer: what it tells is no older
   std::uint64_t number = 0;      // of the report, from 1 on; 0: none has come
   std::uint64_t connection = 0;  // from 1 on
   std::uint64_t requests = 0;    // `on_request` reports that the device had taken before it came
@@ -114,6 +115,8 @@ class ReportLink {
   std::atomic<bool> connected_{false}, asked_{false};
   std::atomic<std::uint64_t> connection_{1};
   Received last_;
+  std::int64_t asked_ns_ = 0;                                           // of the oldest write without an answer
+  bool waits_ = false;                                                  // there is one
   std::int64_t lost_at_ns_ = std::numeric_limits<std::int64_t>::min();  // when the device went away last
   Counter written_{0}, lost_{0}, superseded_{0}, refused_{0}, rests_{0}, disconnects_{0}, reconnects_{0}, taken_{0};
   LatencyHistogram writes_;

@@ -19,7 +19,10 @@ bool holdsCells(const std::int32_t (&size)[3], std::size_t capacity) noexcept {
 // The tolerance of checkLattice(), in the sum over nine products.
 bool isLattice(const Lattice& lattice) noexcept {
   if (!lattice.origin_W.allFinite() || !lattice.spacing_m.allFinite() || !lattice.R_WL.allFinite()) return false;
-  if (!(lattice.spacing_m.minCoeff() > 0)) return false;
+  // As checkLattice() has it: beyond, the sampler's tolerance at faces would reach past the samples.
+  const double finest_m = lattice.spacing_m.minCoeff();
+  if (!(finest_m >= kFinest_m && lattice.spacing_m.maxCoeff() <= kCoarsest_m)) return false;
+  if (!(lattice.origin_W.cwiseAbs().maxCoeff() <= kFarthest_voxel * finest_m)) return false;
   const Mat3 off = lattice.R_WL.transpose() * lattice.R_WL - Mat3::Identity();
   return off.cwiseAbs().maxCoeff() <= 1e-3;
 }

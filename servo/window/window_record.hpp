@@ -2,7 +2,7 @@
 // servo/window/window_record.hpp: a window's placement as it lies in the exchange: plain bytes of a fixed layout, so
 // that engine and servo may be two processes.
 //
-// Frames W, L and units as in sample_window.hpp. Whoever changes the layout counts kWindowLayout up
+// Frames W, L and units as in sample_window.hpp. Whoever changes the layout counts kLinkLayout up
 // (service/memory/link_memory.hpp refuses another one). Any thread; no heap.
 #pragma once
 

@@ -93,6 +93,7 @@ inline TouchRun sampleRun() {
                             {"disconnects", 9},
                             {"reconnects", 10},
                             {"calibrations", 11},
+                            {"calibrated", 1},
                             {"report_period_us", 1000},
                             {"write_p50_us", 12},
                             {"write_p99_us", 13},

@@ -213,6 +213,40 @@ TEST_F(RemoteRig, RefusalsComeBack) {
   EXPECT_THAT(host.ended_with, HasSubstr("none.rec"));
 }
 
+// Messages where none may be: told, and the end.
+TEST_F(RemoteRig, TheServoKeepsTheOrder) {
+  const auto refused = [&](const std::function<void(MessageChannel&)>& say) {
+    Host host;
+    MessageChannel engine(host.takeChannel(), "the servo");
+    static_cast<void>(engine.expect<wire::HelloT>(10'000));
+    std::string words;
+    try {
+      say(engine);
+      while (true) static_cast<void>(engine.receive(10'000));
+    } catch (const Error& error) {
+      words = error.what();
+    }
+    engine.close();
+    host.join();
+    return words;
+  };
+  wire::MakeDeviceT make;
+  EXPECT_THAT(refused([&](MessageChannel& engine) {
+                engine.send(wire::MakeDeviceT(make));
+                static_cast<void>(engine.expect<wire::DeviceMadeT>(10'000));
+                engine.send(wire::MakeDeviceT(make));
+              }),
+              HasSubstr("a second device"));
+  EXPECT_THAT(refused([](MessageChannel& engine) { engine.send(wire::StartT{}); }), HasSubstr("what was not made"));
+  EXPECT_THAT(refused([](MessageChannel& engine) { engine.send(wire::MakeLoopT{}); }),
+              HasSubstr("a loop where none may be"));
+  EXPECT_THAT(refused([](MessageChannel& engine) { engine.send(wire::GoT{}); }),
+              HasSubstr("message Go where none may be"));
+  make.way_points = 100;  // without any
+  EXPECT_THAT(refused([&](MessageChannel& engine) { engine.send(wire::MakeDeviceT(make)); }),
+              HasSubstr("shared memory"));
+}
+
 TEST_F(RemoteRig, LeavesNothingOpen) {
   const auto once = [&] { static_cast<void>(remote([](TouchRig&, std::int64_t) {})); };
   once();

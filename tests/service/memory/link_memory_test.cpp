@@ -262,6 +262,14 @@ TEST(LinkMemory, EachNumberOfAWindowIsChecked) {
     refused([&](WindowRecord& r) { r.spacing_m[axis] = -1e-3; });
     refused([&](WindowRecord& r) { r.axes_WL[4 * axis] = 1.01; });
   }
+  for (const double spacing : {1e-13, 1e5}) {
+    refused([&](WindowRecord& r) { r.spacing_m[0] = r.spacing_m[1] = r.spacing_m[2] = spacing; });
+  }
+  // So far away that the tolerance at a window's faces would be voxels.
+  refused([](WindowRecord& r) {
+    r.origin_W[1] = -1e10;
+    r.spacing_m[0] = r.spacing_m[1] = r.spacing_m[2] = 1e-6;
+  });
   refused([](WindowRecord& r) { r.size[0] = r.size[1] = r.size[2] = 1 << 22; });  // 2^66 samples
 }
 

@@ -406,6 +406,36 @@ TEST(PolhemDevice, NoticesThatItCountsFromNearBy) {
   EXPECT_EQ(moves.figure("reports_implausible"), 0);
 }
 
+// The link's thread reads one answer 50 ms after the arm gave it, in which a hand at 1 m/s went on by 50 mm: the next
+// answer comes a millisecond later, and is believed.
+TEST(PolhemDevice, BelievesAHandWhoseReportsAreReadLate) {
+  const SampledPath path({0, 0.02, 0.16}, {Vec3(-0.07, 0, 0), Vec3(-0.07, 0, 0), Vec3(0.07, 0, 0)},
+                         SampledPath::Interpolation::kLinear);
+  HandParameters hand;
+  hand.hand_stiffness_N_per_m = 1e5;
+  EmulatedPolhem emulated(known(), hand, path, kTick_s);
+  EmulatedCable cable(emulated);
+  cable.pace = std::chrono::milliseconds(1);
+  int answers = 0;
+  cable.spoil = [&](const Report& answer) {
+    if (++answers == 60) {
+      emulated.passSilence(0.05);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return std::optional(answer);
+  };
+  PolhemDevice device(known(), {.rate_hz = 1000, .calibrated = true}, cable.opener());
+  Vec3 at;
+  for (int i = 0; i < 400; ++i) {
+    static_cast<void>(device.read(at));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_EQ(device.forceOff(), ForceOff::kNone);
+  for (const DeviceFigure& f : device.figures()) {
+    EXPECT_TRUE(f.key != "reports_implausible" || f.value == 0) << f.value;
+  }
+}
+
 // A sleep is never shorter than asked for, so a period is 5 ms at least. A cable that takes no time gives 16 reports in
 // far less than 16 ticks of 10 ms.
 TEST(PolhemDevice, KnowsThePaceOfItsReports) {
