@@ -280,8 +280,8 @@ TEST(LinkMemory, EachSideKnowsWhatItMaps) {
     EXPECT_THAT(refusalOf([&] { LinkMemory none(bad); }), testing::HasSubstr("they have 8 to"));
     EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), bad); }), testing::HasSubstr("they have 8 to"));
   }
-  EXPECT_NO_THROW(LinkMemory(8));
-  EXPECT_NO_THROW(LinkMemory(LinkMemory::kMostWindowSamples));
+  EXPECT_NO_THROW(static_cast<void>(LinkMemory{8}));
+  EXPECT_NO_THROW(static_cast<void>(LinkMemory{LinkMemory::kMostWindowSamples}));
   // Of another layout: each byte of the header counts.
   for (std::size_t i = 0; i < sizeof(LinkHeader); ++i) {
     LinkMemory other(kSamples);
