@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
-#include <filesystem>
+#include <cstddef>
+#include <cstring>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
-#include <unistd.h>
+#include <sys/un.h>
 
 #include "base/descriptor.hpp"
 #include "base/error.hpp"
@@ -18,32 +17,50 @@
 namespace palpate {
 namespace {
 
-namespace fs = std::filesystem;
-
-fs::path lockFile(const std::string& device) {
-  std::string name = device;
-  std::ranges::replace(name, '/', '_');
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime == nullptr || *runtime != '/') return fs::path("/run/lock") / ("palpate" + name);
-  const fs::path folder = fs::path(runtime) / "palpate";
-  std::error_code ignored;
-  fs::create_directories(folder, ignored);
-  return folder / ("in-use" + name);
+// The node's number tells apart two of the same name, as of emulated devices. libusb's paths are no nodes.
+std::string uniqueName(const std::string& device) {
+  struct stat facts {};
+  if (stat(device.c_str(), &facts) != 0) return device;
+  return fmt::format("{}:{}:{}", device, facts.st_dev, facts.st_ino);
 }
 
-// Another user's file can be opened to read alone, which is enough for its lock.
-Descriptor openLock(const fs::path& file) {
-  constexpr int kHow = O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-  Descriptor own(open(file.c_str(), O_RDWR | O_CREAT | kHow, 0644));
-  return own ? std::move(own) : Descriptor(open(file.c_str(), O_RDONLY | kHow));
+// Its first byte is 0, so the name is no file's: the kernel forgets it with the socket.
+std::pair<sockaddr_un, socklen_t> nameOf(const std::string& device) {
+  const std::string name = "palpate-uses:" + uniqueName(device);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::size_t size = std::min(name.size(), sizeof address.sun_path - 1);
+  std::memcpy(address.sun_path + 1, name.data(), size);
+  return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + size)};
 }
 
-// The number of the process that holds it, as it wrote itself; empty: it did not.
-std::string holderOf(const Descriptor& lock) {
-  char text[16] = {};
-  const ssize_t count = pread(lock.get(), text, sizeof text - 1, 0);
-  const std::string words(text, static_cast<std::size_t>(std::max<ssize_t>(0, count)));
-  return words.substr(0, words.find_first_not_of("0123456789"));
+Descriptor newSocket() {
+  return Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+}
+
+// The process that listens there; 0: not known.
+pid_t listenerAt(const sockaddr_un& address, socklen_t size) {
+  const Descriptor own = newSocket();
+  ucred facts{};
+  socklen_t bytes = sizeof facts;
+  if (!own || connect(own.get(), reinterpret_cast<const sockaddr*>(&address), size) != 0) return 0;
+  return getsockopt(own.get(), SOL_SOCKET, SO_PEERCRED, &facts, &bytes) == 0 ? facts.pid : 0;
+}
+
+// Held as long as it is open. None where the system gives no socket: then there is no lock.
+Descriptor lockOf(const std::string& device) {
+  const auto [address, size] = nameOf(device);
+  Descriptor own = newSocket();
+  if (!own || bind(own.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) {
+    if (own) static_cast<void>(listen(own.get(), 1));
+    return own;
+  }
+  if (errno != EADDRINUSE) return {};
+  const pid_t holder = listenerAt(address, size);
+  throw Error(
+      Error::Code::kDevice, device,
+      fmt::format("another program of Palpate uses it{}", holder > 0 ? fmt::format(" (process {})", holder) : ""),
+      "end that one first");
 }
 
 class LockedPort final : public ReportPort {
@@ -60,18 +77,7 @@ class LockedPort final : public ReportPort {
 }  // namespace
 
 std::unique_ptr<ReportPort> openHidAlone(const std::string& path, HidBackEnd back_end) {
-  Descriptor lock = openLock(lockFile(path));
-  if (lock && flock(lock.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    const std::string holder = holderOf(lock);
-    throw Error(
-        Error::Code::kDevice, path,
-        fmt::format("another program of Palpate uses it{}", holder.empty() ? "" : fmt::format(" (process {})", holder)),
-        "end that one first");
-  }
-  if (lock) {
-    const std::string own = fmt::format("{}\n", getpid());
-    if (ftruncate(lock.get(), 0) == 0) static_cast<void>(pwrite(lock.get(), own.data(), own.size(), 0));
-  }
+  Descriptor lock = lockOf(path);
   return std::make_unique<LockedPort>(std::move(lock), openHid(path, back_end));
 }
 

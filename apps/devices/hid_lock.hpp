@@ -2,9 +2,10 @@
 // apps/devices/hid_lock.hpp: a HID device for one program of Palpate at a time.
 //
 // Linux lets any number of programs write to one device by hidraw: a second one that only looks would take away, every
-// other millisecond, the force that the first one asks for. A lock file in the user's runtime folder, or where there is
-// none in /run/lock, is held as long as the port is open, and no longer than the process lives. Where neither folder
-// can be used there is no lock. Set-up code, and the link's thread when a device comes back.
+// other millisecond, the force that the first one asks for. So a name of the kernel's (an abstract Unix socket) is held
+// as long as the port is open, and no longer than the process lives, for all users of the machine. Programs in
+// different network namespaces, as in two containers, do not see each other's. Set-up code, and the link's thread when
+// a device comes back.
 #pragma once
 
 #include <memory>

@@ -26,6 +26,8 @@ namespace {
 using State = Finding::State;
 
 constexpr double kSeenMotion_m = 1e-3;
+constexpr double kNoGoodShare = 0.5;  // of the reports: with more of them garbled or impossible no force is any good
+constexpr const char* kMendReports = "see that --device names what it is (palpate devices), and use another cable";
 constexpr double kLateShare = 0.5;  // of a period: a tick that wakes later leaves the device too little
 
 bool exertsForces(const DeviceKind& kind) {
@@ -92,7 +94,7 @@ class Doctor {
            fmt::format("{}: {}{}", describe(found.device), can_be, forbidden ? ", and you may not use it" : ""),
            forbidden ? rightsRemedy(found) : "");
     }
-    for (const std::string& complaint : deviceKindComplaints()) find(State::kNote, "device tables", complaint);
+    for (const std::string& complaint : deviceKindComplaints()) find(State::kBad, "device tables", complaint);
   }
 
   // The rule that is missing, and the command that installs it. Rules for a kind of the user's own are known to the
@@ -213,7 +215,8 @@ class Doctor {
       return find(State::kBad, "device", "it answered when it was opened, and nothing since",
                   "switch it off and on, and see that no other program uses it");
     }
-    const double bad = figure("reports_lost") + figure("reports_garbled") + figure("reports_implausible");
+    const double useless = figure("reports_garbled") + figure("reports_implausible");
+    const double bad = figure("reports_lost") + useless;
     find(bad > 0.01 * figure("reports_received") ? State::kNote : State::kGood, "device",
          fmt::format(
              "{:.0f} reports a second; {:.0f} lost, {:.0f} garbled, {:.0f} not possible; a write takes {:.0f} us "
@@ -221,6 +224,8 @@ class Doctor {
              trial.reports_per_s, figure("reports_lost"), figure("reports_garbled"), figure("reports_implausible"),
              figure("write_p50_us"), figure("write_p99_us")),
          bad > 0.01 * figure("reports_received") ? "use another cable or port, without a hub" : "");
+    is_garbled_ = exertsForces(*kind_) && useless > kNoGoodShare * figure("reports_received");
+    if (is_garbled_) find(State::kBad, "device", "most of its reports cannot be used", kMendReports);
     if (trial.motion_m >= kSeenMotion_m)
       find(State::kGood, "device", fmt::format("its handle moved by {:.1f} mm", 1e3 * trial.motion_m));
     else
@@ -257,6 +262,7 @@ class Doctor {
                  fmt::format("say it, as --device {}", ambiguous_.front()));
     }
     if (silent_) return off("the device does not answer any more", "switch it off and on, and try again");
+    if (is_garbled_) return off("most of the device's reports cannot be used", kMendReports);
     const ForceOff why = device_->forceOff();
     if (why != ForceOff::kNone) return off(std::string(wordsOf(why).reason), std::string(wordsOf(why).remedy));
     if (no_vulkan != diagnosis_.findings.end()) return off(no_vulkan->text, no_vulkan->remedy);
@@ -270,7 +276,7 @@ class Doctor {
   const DeviceKind* kind_ = nullptr;
   std::vector<std::string> ambiguous_;
   std::string tried_path_;
-  bool silent_ = false;
+  bool silent_ = false, is_garbled_ = false;
   std::unique_ptr<Device> device_;
   std::optional<Error> trouble_;
 };

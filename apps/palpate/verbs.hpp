@@ -18,8 +18,7 @@ namespace palpate {
 
 struct SculptRequest;
 
-// A CLI11 check for options that may not be empty: returns the message, or "" if the text is not empty.
-// A check for numbers from `least` to `most`. Not CLI::Range, which accepts NaN.
+// A CLI11 check for numbers from `least` to `most`. Not CLI::Range, which accepts NaN.
 [[nodiscard]] inline auto numberFrom(double least, double most) {
   return [=](const std::string& text) -> std::string {
     double value = 0;
@@ -27,6 +26,7 @@ struct SculptRequest;
     return fmt::format("'{}' is no number from {:g} to {:g}", text, least, most);
   };
 }
+// A CLI11 check for options that may not be empty: returns the message, or "" if the text is not empty.
 [[nodiscard]] inline std::string notEmpty(const std::string& text) {
   return text.empty() ? "'' is empty: name something, or leave the option out" : "";
 }

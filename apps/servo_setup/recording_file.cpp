@@ -25,6 +25,8 @@ void checkRecordable(const std::string& file) {
   checkWritable(file);
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) return;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
+  if (!ignored && bytes == 0) return;  // mktemp(1) makes such files
   std::ifstream stream(file, std::ios::binary);
   std::string begin(kRecordingBegin.size(), '\0');
   stream.read(begin.data(), static_cast<std::streamsize>(begin.size()));

@@ -11,20 +11,15 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
-#include "apps/held/held_device.hpp"
-#include "apps/held/held_words.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
 #include "apps/report/words.hpp"
-#include "apps/servo_setup/contact_bounds.hpp"
 #include "apps/servo_setup/recording_file.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_objects.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
-#include "apps/servo_side/remote_servo.hpp"
-#include "apps/servo_side/servo_process.hpp"
 #include "apps/touch/device_ahead.hpp"
 #include "apps/touch/exact_errors.hpp"
 #include "apps/touch/force_error.hpp"
@@ -37,6 +32,7 @@
 #include "apps/touch/scene_plan.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/servo_run.hpp"
+#include "apps/touch/touch_servo.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
@@ -52,8 +48,6 @@
 #include "engine/phantoms/phantom.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/algorithms/registry.hpp"
-#include "servo/devices/force_off.hpp"
-#include "servo/devices/recording_device.hpp"
 #include "servo/loop/contact_stability.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/run_figures.hpp"
@@ -154,12 +148,6 @@ std::vector<std::string> planWords(const std::vector<PlanLine>& lines) {
     words.push_back(std::move(text));
   }
   return words;
-}
-
-RunDevice deviceOfRun(const std::string& name, const Device& device) {
-  RunDevice run{.kind = name, .force_off = std::string(wordsOf(device.forceOff()).name)};
-  for (const DeviceFigure& figure : device.figures()) run.figures.emplace_back(figure.key, figure.value);
-  return run;
 }
 
 std::vector<RunFault> faultsOf(const TouchRun& run) {
@@ -295,7 +283,7 @@ class TouchJob {
     compute();
     layPath();
     readyAlgorithm();
-    readyDevice();
+    readyServo();
     readyEdits();
   }
   void feel();
@@ -307,12 +295,7 @@ class TouchJob {
   void layPath();
   void warn(const std::string& warning);
   void readyAlgorithm();
-  [[nodiscard]] std::size_t mostReads() const;
-  void readyRemoteServo();
-  void readyDevice();
-  void chooseContact(const Device& device, const std::optional<Placement>& placement,
-                     const std::optional<RecordedContact>& session);
-  void letServoGo();
+  void readyServo();
   void readyEdits();
   void assess();
   void finishEdits();
@@ -332,15 +315,11 @@ class TouchJob {
   double isovalue_ = 0;  // of the volume
   VolumeBox box_;
   Plan plan_;
-  std::optional<ServoProcess> process_;  // with --service
-  std::unique_ptr<RemoteServo> remote_;  // its servo, whose memory the engine writes to
+  TouchServo servo_;  // outlives the engine, which may write to its memory
   std::unique_ptr<Engine> engine_;
   std::optional<Volume> filtered_;
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
-  std::unique_ptr<Device> device_;  // without --service
-  RecordingDevice* recorder_ = nullptr;  // device_, if the session is recorded
-  std::optional<Recording> recording_;
   DeviceLimits limits_;
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
@@ -417,56 +396,11 @@ void TouchJob::readyAlgorithm() {
   run_.plan = planWords(scenePlanLines(scene_, plan_, engine_->planFacts(), triangles));
 }
 
-// So many reads of the device a run has at most: one before the first tick.
-std::size_t TouchJob::mostReads() const {
-  return static_cast<std::size_t>(std::round(run_.scene.duration_s * scene_.rate_hz) + 2);
-}
-
-// The servo's process makes the device, and reads the windows that this one publishes.
-void TouchJob::readyRemoteServo() {
-  process_.emplace();
-  remote_ = std::make_unique<RemoteServo>(
-      process_->takeChannel(), RemoteServo::Request{.scene = run_.scene,
-                                                    .box = box_,
-                                                    .way = hasPath(scene_) ? &path_->path : nullptr,
-                                                    .window_samples = engine_->windowCapacity(),
-                                                    .recorded_reads = scene_.record.empty() ? 0 : mostReads()});
-  LinkMemory& memory = remote_->memory();
-  engine_->shareWindows({.block = &memory.windows(),
-                         .samples = memory.samples(),
-                         .capacity = memory.capacity(),
-                         .bytes = memory.windowBytes()});
-  std::optional<Placement> placed;
-  if (remote_->placed()) placed = {.scale = remote_->placed()->scale, .force_scale = remote_->placed()->force_scale};
-  chooseContact(remote_->device(), placed, remote_->session());
-}
-
-void TouchJob::readyDevice() {
-  if (scene_.service) return readyRemoteServo();
-  SceneDevice made = makeSceneDevice(scene_, path_->path, box_);
-  device_ = std::move(made.device);
-  if (!scene_.record.empty()) {
-    auto recorder = std::make_unique<RecordingDevice>(std::move(device_), scene_.rate_hz, mostReads());
-    recorder_ = recorder.get();
-    device_ = std::move(recorder);
-  }
-  chooseContact(*device_, made.placement, made.session);
-}
-
-// Stiffness and damping that nobody asked for are the recorded session's, or what a device that is held bears.
-void TouchJob::chooseContact(const Device& device, const std::optional<Placement>& placement,
-                             const std::optional<RecordedContact>& session) {
-  if (session) {
-    if (!scene_.stiffness_N_per_m) run_.scene.stiffness_N_per_m = session->stiffness_N_per_m;
-    if (!scene_.damping_Ns_per_m) run_.scene.damping_Ns_per_m = session->damping_Ns_per_m;
-  }
-  if (!placement) return;
-  if (!scene_.damping_Ns_per_m)
-    run_.scene.damping_Ns_per_m = usualDamping(rigSettings(scene_, isovalue_), loopParameters(scene_), device);
-  if (!scene_.stiffness_N_per_m)
-    run_.scene.stiffness_N_per_m = usualStiffness(rigSettings(run_.scene, isovalue_), loopParameters(scene_), device);
-  for (const std::string& warning : heldDeviceWords(scene_.device, device, *placement, stiffnessOf(run_.scene)))
-    warn(warning);
+void TouchJob::readyServo() {
+  servo_.make(run_.scene, {.path = path_->path, .box = box_, .isovalue = isovalue_, .asked = scene_}, *engine_);
+  run_.scene.stiffness_N_per_m = servo_.contact().stiffness_N_per_m;
+  run_.scene.damping_Ns_per_m = servo_.contact().damping_Ns_per_m;
+  for (const std::string& warning : servo_.warnings()) warn(warning);
 }
 
 void TouchJob::readyEdits() {
@@ -488,8 +422,7 @@ void TouchJob::feel() {
     ServoRun run;
     const auto servo = [&] {
       RigEdits* const edits = edits_ ? &edits_->edits() : nullptr;
-      run = remote_ ? runServo(run_.scene, std::move(rig_volume_), *remote_, *engine_, edits, progress_, begin)
-                    : runServo(run_.scene, std::move(rig_volume_), *device_, *engine_, edits, progress_, begin);
+      run = servo_.run(run_.scene, std::move(rig_volume_), *engine_, edits, progress_, begin);
     };
     edits_ ? edits_->during(servo) : servo();
     return run;
@@ -502,28 +435,9 @@ void TouchJob::feel() {
   run_.grid_points = result.ticks_run + result.ticks_skipped;
   run_.start_to_first_tick_s = static_cast<double>(result.first_due_ns - processStart_ns()) / kNanosecondsPerSecond;
   run_.realtime = realTimeWords(scene_, result);
-  letServoGo();
+  run_.device = servo_.letGo();
   endEarly(run_);
   if (!run_.ended_early.empty()) progress_.stage(wordsOfStopping(run_));
-}
-
-// Its threads end; the device was told to exert no force.
-void TouchJob::letServoGo() {
-  if (remote_) {
-    if (isHeld(scene_)) {
-      run_.device =
-          RunDevice{.kind = scene_.device, .force_off = std::string(wordsOf(remote_->device().forceOff()).name)};
-      run_.device->figures = remote_->deviceFigures();
-    }
-    recording_ = remote_->recording();
-    process_.reset();
-  } else {
-    if (isHeld(scene_)) run_.device = deviceOfRun(scene_.device, *device_);
-    if (recorder_ != nullptr) recording_ = recorder_->recording();
-    recorder_ = nullptr;
-    device_.reset();
-  }
-  if (recording_) recording_->contact = {stiffnessOf(run_.scene), dampingOf(run_.scene)};
 }
 
 void TouchJob::assess() {
@@ -586,7 +500,8 @@ TouchRun TouchJob::tell() {
   run_.libraries = mappedLibraries();
   if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);
-  if (recording_) saveRecording(scene_.record, *recording_);  // last: a full disk then leaves the report
+  if (servo_.recording())
+    saveRecording(scene_.record, *servo_.recording());  // last: a full disk then leaves the report
   tellWhatIsKept("what was felt is in " + scene_.out);
   progress_.done();
   return std::move(run_);

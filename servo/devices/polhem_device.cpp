@@ -126,6 +126,7 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
 void PolhemDevice::measurePace() {
   const std::int64_t begin_ns = monotonicNow_ns();
   const std::int64_t end_ns = begin_ns + std::llround(kPace_ms * kNanosecondsPerMillisecond);
+  const std::uint64_t before = seen_ - valueOf(garbage_);  // reports of which something can be made
   std::vector<double> periods_s;
   while (periods_s.size() < kPacedReports && monotonicNow_ns() < end_ns) {
     const std::uint64_t seen = seen_;
@@ -137,8 +138,10 @@ void PolhemDevice::measurePace() {
     periods_s.push_back(time_s / static_cast<double>(seen_ - seen));
   }
   const double time_s = static_cast<double>(monotonicNow_ns() - begin_ns) / kNanosecondsPerSecond;
-  report_period_s_ = periods_s.size() < kFewestPaced ? time_s / static_cast<double>(periods_s.size() + 1)
-                                                     : median(std::move(periods_s));
+  // A machine so busy that this thread hardly wakes says nothing of the device's pace: then the reports are counted.
+  report_period_s_ = periods_s.size() < kFewestPaced
+                         ? time_s / static_cast<double>(seen_ - valueOf(garbage_) - before + 1)
+                         : median(std::move(periods_s));
 }
 
 // A force waits for the next report at most, so for one report's time. A quarter of a tick is what threads wake late.

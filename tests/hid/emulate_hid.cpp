@@ -44,10 +44,11 @@ struct Options {
   int unplug_after = -1;   // reports after which it is unplugged; -1: never
   int replug_ms = -1;      // and plugged in again; -1: never
   int silent_after = -1;   // reports after which it answers no more; -1: never
+  int garbled_after = -1;  // reports after which nothing it answers is a report of its; -1: never
   bool paced = false;      // it takes a millisecond for each report, as over a cable
   int press_from = -1;     // reports between which its handle's switch is pressed; -1: never
   int press_to = -1;
-  double faults = 0;       // share of answers that are lost, garbled, short, double or late
+  double faults = 0;  // share of answers that are lost, garbled, short, double or late
   unsigned seed = 1;
   std::string log;  // file for the devices' own account
   std::vector<std::string> program;
@@ -97,6 +98,8 @@ Options parsed(int count, char** words) {
       if (std::sscanf(value().c_str(), "%d:%d", &o.press_from, &o.press_to) != 2) throw std::runtime_error(kUsage);
     } else if (word == "--paced") {
       o.paced = true;
+    } else if (word == "--garbled-after") {
+      o.garbled_after = std::stoi(value());
     } else if (word == "--faults") {
       o.faults = std::stod(value());
     } else if (word == "--seed") {
@@ -234,7 +237,11 @@ class Emulated {
     arm_->press(reports_ >= options_.press_from && reports_ < options_.press_to);
     if (options_.paced) usleep(1000);
     if (!answers() || (options_.silent_after >= 0 && reports_ > options_.silent_after)) return;
-    for (const Report& answer : reports_of_->answersTo(report)) send(answer);
+    const bool garbled = options_.garbled_after >= 0 && reports_ > options_.garbled_after;
+    for (Report answer : reports_of_->answersTo(report)) {
+      if (garbled) answer.size = 3;
+      send(answer);
+    }
     if (reports_ == options_.unplug_after) unplug();
   }
 

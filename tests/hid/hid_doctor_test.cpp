@@ -94,6 +94,15 @@ TEST_F(HidDoctor, AnOrdinaryUserIsToldInOneLine) {
 }
 
 // A table that allows no force.
+// It began as a Polhem, and went on as something else.
+TEST_F(HidDoctor, NamesReportsThatCannotBeUsed) {
+  const Words polhem = {"--device", "polhem-v1", "--calibrated", "--current-limit", "3"};
+  const Outcome outcome = doctor({"--paced", "--garbled-after", "40"}, polhem);
+  expectOff(outcome, "most of the device's reports cannot be used; see that --device names what it is");
+  EXPECT_THAT(outcome.out, HasSubstr("most of its reports cannot be used"));
+  EXPECT_EQ(doctor({"--paced", "--faults", "0.3"}, polhem).status, 0);  // a bad cable is told, and is no reason
+}
+
 TEST_F(HidDoctor, NamesALimitOfZero) {
   std::filesystem::create_directories(file("palpate/devices"));
   write("palpate/devices/a.toml",
@@ -144,6 +153,10 @@ TEST_F(HidDoctor, TakesTheUsersTables) {
   expectRefusal(refused, "--device mine: a table of devices cannot be read", "b.toml:1:1: a device has no 'family'", 2);
   EXPECT_THAT(on({}, touch + Words{"--device", "other"}).err, HasSubstr("b.toml:1:1: a device has no 'family'"));
   EXPECT_THAT(on({}, {"doctor", "--device", "other"}).err, HasSubstr("b.toml:1:1: a device has no 'family'"));
+  const Json told = Json::parse(contentsOf(file("d.json")));
+  EXPECT_TRUE(std::ranges::any_of(told["findings"], [](const Json& finding) {
+    return finding["topic"] == "device tables" && finding["state"] == "OFF";
+  }));
   std::filesystem::remove(file("palpate/devices/b.toml"));
   EXPECT_EQ(doctor({}, mine).status, 0);
   EXPECT_EQ(on({}, touch + mine).status, 0);
@@ -201,7 +214,7 @@ TEST_F(HidDoctor, LeavesADeviceToTheProgramThatUsesIt) {
       emulate({"--paced"}, {"sh", "-c",
                             program +
                                 " touch phantom:sphere?size=16 --device polhem-v1 --calibrated --current-limit 3 "
-                                "--seconds 4 --picture off & sleep 2; " +
+                                "--seconds 4 --picture off & sleep 2; XDG_RUNTIME_DIR=/another " +
                                 program + " doctor --seconds 0.2 --device polhem-v1; wait"});
   EXPECT_THAT(outcome.out, HasSubstr("another program of Palpate uses it (process "));
 }

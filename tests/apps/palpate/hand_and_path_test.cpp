@@ -173,7 +173,9 @@ TEST_F(Recorded, ReplacesRecordingsOnly) {
   refused({"--record", "precious.txt"}, "precious.txt: it is there, and is no recording");
   EXPECT_EQ(contentsOf(file("precious.txt")), "mine");
   EXPECT_FALSE(exists("s.vdb"));
+  write("s.rec", "");  // as mktemp(1) makes it
   expectSuccess(run(quickTouch(sphere, {"--record", "s.rec"})));
+  EXPECT_GT(std::filesystem::file_size(file("s.rec")), 0U);
   expectSuccess(run(quickTouch(sphere, {"--record", "s.rec"})));
 }
 

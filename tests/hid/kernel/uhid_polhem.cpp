@@ -19,15 +19,9 @@
 namespace palpate {
 namespace {
 
-struct Options {
-  int count = 1, unplug_after = -1, silent_after = -1, replug_ms = 300;
-  bool other_usage = false, silent = false;
-  double faults = 0;
-};
-
 class UhidPolhem {
  public:
-  UhidPolhem(const Options& options, int number) : options_(options), number_(number), polhem_(options.faults) {
+  UhidPolhem(const GuestOptions& options, int number) : options_(options), number_(number), polhem_(options.faults) {
     descriptor_ = open("/dev/uhid", O_RDWR | O_CLOEXEC);
     if (descriptor_ < 0) std::perror("/dev/uhid"), std::exit(1);
     plugIn();
@@ -82,7 +76,7 @@ class UhidPolhem {
     tell(event);
   }
 
-  const Options& options_;
+  const GuestOptions& options_;
   int number_, descriptor_, reports_ = 0;
   GuestPolhem polhem_;
 };
@@ -92,18 +86,7 @@ class UhidPolhem {
 
 int main(int count, char** words) {
   using namespace palpate;
-  Options o;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    const auto value = [&] { return i + 1 < count ? words[++i] : words[i]; };
-    if (word == "--count") o.count = std::atoi(value());
-    if (word == "--other-usage") o.other_usage = true;
-    if (word == "--silent") o.silent = true;
-    if (word == "--silent-after") o.silent_after = std::atoi(value());
-    if (word == "--faults") o.faults = std::atof(value());
-    if (word == "--unplug-after") o.unplug_after = std::atoi(value());
-    if (word == "--replug-ms") o.replug_ms = std::atoi(value());
-  }
+  const GuestOptions o = guestOptions(count, words);
   std::vector<std::unique_ptr<UhidPolhem>> devices;
   std::vector<pollfd> waiting;
   for (int i = 0; i < o.count; ++i) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <string>
@@ -50,14 +49,9 @@ Bytes stringDescriptor(const std::string& text) {
   return bytes;
 }
 
-struct Options {
-  int count = 1, unplug_after = -1, silent_after = -1, replug_ms = 300;
-  double faults = 0;
-};
-
 class UsbipPolhem {
  public:
-  UsbipPolhem(const Options& options, int number) : options_(options), number_(number), polhem_(options.faults) {}
+  UsbipPolhem(const GuestOptions& options, int number) : options_(options), number_(number), polhem_(options.faults) {}
 
   // Until its cable is pulled.
   void run(int socket) {
@@ -183,7 +177,7 @@ class UsbipPolhem {
     return {};
   }
 
-  const Options& options_;
+  const GuestOptions& options_;
   int number_, socket_ = -1, reports_ = 0;
   bool is_pulled_ = false;
   GuestPolhem polhem_;
@@ -207,7 +201,7 @@ int attachedTo(int port) {
 }
 
 // One that is pulled comes back, to another port: the kernel may still be busy with the first.
-void serve(const Options& options, int number) {
+void serve(const GuestOptions& options, int number) {
   UsbipPolhem polhem(options, number);
   for (int port = number; port < 8; port += options.count) {
     const int socket = attachedTo(port);
@@ -223,15 +217,7 @@ void serve(const Options& options, int number) {
 
 int main(int count, char** words) {
   using namespace palpate;
-  Options o;
-  for (int i = 1; i < count; ++i) {
-    const std::string word = words[i];
-    const auto value = [&] { return i + 1 < count ? words[++i] : words[i]; };
-    if (word == "--count") o.count = std::atoi(value());
-    if (word == "--faults") o.faults = std::atof(value());
-    if (word == "--silent-after") o.silent_after = std::atoi(value());
-    if (word == "--unplug-after") o.unplug_after = std::atoi(value());
-  }
+  const GuestOptions o = guestOptions(count, words);
   int number = 0;
   while (number + 1 < o.count && fork() == 0) ++number;  // each in a process of its own
   if (prctl(PR_SET_PDEATHSIG, SIGTERM) != 0) return 1;
