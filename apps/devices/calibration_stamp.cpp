@@ -12,6 +12,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/monotonic_clock.hpp"
 
 namespace palpate {
 namespace {
@@ -26,43 +27,50 @@ fs::path stampFile(const std::string& device_path) {
   return fs::path(runtime) / "palpate" / ("calibrated" + name);
 }
 
+// Of the machine's sleep [0.1 s]: a device may lose its power meanwhile, and keep its file.
+std::int64_t sleepOfMachine() {
+  constexpr std::int64_t kTenthOfASecond_ns = 100'000'000;
+  return suspended_ns() / kTenthOfASecond_ns;
+}
+
 // Empty: there is no such file.
 std::string identityOf(const CalibratedAs& device) {
   struct stat facts = {};
   if (stat(device.path.c_str(), &facts) != 0) return {};
-  std::string identity = fmt::format("{} {} {}.{:09}\n{}\n", device.path, facts.st_ino, facts.st_ctim.tv_sec,
-                                     facts.st_ctim.tv_nsec, device.kind);
+  std::string identity = fmt::format("{} {} {}.{:09} {}\n{}\n", device.path, facts.st_ino, facts.st_ctim.tv_sec,
+                                     facts.st_ctim.tv_nsec, sleepOfMachine(), device.kind);
   for (const auto& [key, value] : device.values) identity += fmt::format("{} = {}\n", key, value);
   return identity;
 }
 
 }  // namespace
 
-bool isStampedCalibrated(const CalibratedAs& device) {
-  const std::string identity = identityOf(device);
-  const fs::path file = stampFile(device.path);
-  if (identity.empty() || file.empty()) return false;
-  std::ifstream stream(file, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {}) == identity;
+CalibrationStamp::CalibrationStamp(const CalibratedAs& device)
+    : file_(stampFile(device.path)), identity_(identityOf(device)) {}
+
+bool CalibrationStamp::isThere() const {
+  if (identity_.empty() || file_.empty()) return false;
+  std::ifstream stream(file_, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {}) == identity_;
 }
 
-bool stampCalibrated(const CalibratedAs& device) {
-  const std::string identity = identityOf(device);
-  const fs::path file = stampFile(device.path);
-  if (identity.empty() || file.empty()) return false;
+bool CalibrationStamp::take() {
+  const bool was_there = isThere();
   std::error_code ignored;
-  fs::create_directories(file.parent_path(), ignored);
+  if (!file_.empty()) fs::remove(file_, ignored);
+  return was_there;
+}
+
+bool CalibrationStamp::put() const {
+  if (identity_.empty() || file_.empty()) return false;
+  std::error_code ignored;
+  fs::create_directories(file_.parent_path(), ignored);
   try {
-    writeFileAtomically(file, identity);
+    writeFileAtomically(file_, identity_);
   } catch (const Error&) {
     return false;
   }
   return true;
-}
-
-void forgetCalibration(const std::string& path) noexcept {
-  std::error_code ignored;
-  fs::remove(stampFile(path), ignored);
 }
 
 }  // namespace palpate

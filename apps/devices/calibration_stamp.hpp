@@ -4,9 +4,11 @@
 // A device that counts from where it was switched on cannot say whether somebody told it where that is. A stamp in the
 // user's runtime folder says so. It names the device's file in /dev with its inode and the time of its making: a device
 // that was unplugged has another file, even of the same name. It also says as what it was calibrated: another kind
-// counts from another home. Any thread. A system without a runtime folder keeps no stamps.
+// counts from another home. A machine that slept meanwhile may have cut the device's power. Any thread. A system
+// without a runtime folder keeps no stamps.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "servo/devices/registry.hpp"
@@ -19,10 +21,19 @@ struct CalibratedAs {
   DeviceValues values = {};
 };
 
-[[nodiscard]] bool isStampedCalibrated(const CalibratedAs& device);
-// False: it could not be kept, and the device must be calibrated again in the next run.
-bool stampCalibrated(const CalibratedAs& device);
-// It has lost its calibration.
-void forgetCalibration(const std::string& path) noexcept;
+// Of the device that is there now, whatever is there later.
+class CalibrationStamp {
+ public:
+  explicit CalibrationStamp(const CalibratedAs& device);
+  [[nodiscard]] bool isThere() const;
+  // Whether it was there. Afterwards the device has none, of whatever kind.
+  bool take();
+  // False: it could not be kept, and the device must be calibrated again in the next run.
+  bool put() const;
+
+ private:
+  std::filesystem::path file_;  // empty: none can be kept
+  std::string identity_;        // empty: there was no device
+};
 
 }  // namespace palpate

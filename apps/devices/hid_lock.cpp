@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
+#include <regex>
 
 #include <fmt/format.h>
 #include <sys/socket.h>
@@ -17,16 +18,26 @@
 namespace palpate {
 namespace {
 
-// The node's number tells apart two of the same name, as of emulated devices. libusb's paths are no nodes.
-std::string uniqueName(const std::string& device) {
-  struct stat facts {};
-  if (stat(device.c_str(), &facts) != 0) return device;
-  return fmt::format("{}:{}:{}", device, facts.st_dev, facts.st_ino);
+namespace fs = std::filesystem;
+
+// "1-2.3" of libusb's path "1-2.3:1.0", or of a folder of that name above the hidraw node in /sys; empty: it is none of
+// USB, or not known.
+std::string usbPort(const std::string& device, const fs::path& sys) {
+  static const std::regex kInterface(R"((\d+-[\d.]+):\d+\.\d+)");
+  std::smatch match;
+  if (std::regex_match(device, match, kInterface)) return match[1];
+  std::error_code ignored;
+  const fs::path at = fs::canonical(sys / "class/hidraw" / fs::path(device).filename() / "device", ignored);
+  for (const fs::path& part : at) {
+    const std::string name = part.string();
+    if (std::regex_match(name, match, kInterface)) return match[1];
+  }
+  return {};
 }
 
 // Its first byte is 0, so the name is no file's: the kernel forgets it with the socket.
 std::pair<sockaddr_un, socklen_t> nameOf(const std::string& device) {
-  const std::string name = "palpate-uses:" + uniqueName(device);
+  const std::string name = "palpate-uses:" + hidLockName(device);
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   const std::size_t size = std::min(name.size(), sizeof address.sun_path - 1);
@@ -52,7 +63,7 @@ Descriptor lockOf(const std::string& device) {
   const auto [address, size] = nameOf(device);
   Descriptor own = newSocket();
   if (!own || bind(own.get(), reinterpret_cast<const sockaddr*>(&address), size) == 0) {
-    if (own) static_cast<void>(listen(own.get(), 1));
+    if (own) static_cast<void>(listen(own.get(), SOMAXCONN));  // whoever asks who holds it is never accepted
     return own;
   }
   if (errno != EADDRINUSE) return {};
@@ -75,6 +86,15 @@ class LockedPort final : public ReportPort {
 };
 
 }  // namespace
+
+// The number of its file tells apart two of the same name, as emulated ones.
+std::string hidLockName(const std::string& device, const fs::path& sys) {
+  const std::string port = usbPort(device, sys);
+  const fs::path file = port.empty() ? fs::path(device) : sys / "bus/usb/devices" / port;
+  struct stat facts {};
+  if (stat(file.c_str(), &facts) != 0) return port.empty() ? device : port;
+  return fmt::format("{}:{}:{}", port.empty() ? device : port, facts.st_dev, facts.st_ino);
+}
 
 std::unique_ptr<ReportPort> openHidAlone(const std::string& path, HidBackEnd back_end) {
   Descriptor lock = lockOf(path);

@@ -8,12 +8,17 @@
 // a device comes back.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "servo/hid/hid.hpp"
 
 namespace palpate {
+
+// A device by hidraw ("/dev/hidraw0") and by libusb ("1-2:1.0") has one name, that of its USB port, where it has one.
+// `sys`: where /sys is.
+[[nodiscard]] std::string hidLockName(const std::string& device, const std::filesystem::path& sys = "/sys");
 
 // Throws Error as openHid() does, and kDevice if another program holds the device, with which one.
 [[nodiscard]] std::unique_ptr<ReportPort> openHidAlone(const std::string& path, HidBackEnd back_end);

@@ -12,9 +12,9 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/choose_hid.hpp"
 #include "apps/doctor/udev_rules.hpp"
+#include "apps/held/chosen_device.hpp"
 #include "base/error.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "servo/devices/force_off.hpp"
@@ -136,14 +136,11 @@ class Doctor {
     try {
       HidChoice choice = chooseHid(*kind_, request_.device_path, backEnd());
       tried_path_ = choice.device.path;
-      const bool calibrated = request_.calibrated || isStampedCalibrated(choice.asCalibrated());
-      DeviceSetup setup{.rate_hz = request_.rate_hz,
-                        .values = std::move(choice.values),
-                        .open = std::move(choice.open),
-                        .calibrated = calibrated};
+      const std::string words = describe(choice.device);
+      DeviceSetup setup{.rate_hz = request_.rate_hz, .calibrated = request_.calibrated};
       if (request_.current_limit_A) setup.values["current_limit_A"] = *request_.current_limit_A;
-      device_ = makeDevice(kind_->family, setup);
-      find(State::kGood, "device", fmt::format("{} answers: {}", kind_->name, describe(choice.device)));
+      device_ = openChosenDevice(*kind_, std::move(choice), std::move(setup));
+      find(State::kGood, "device", fmt::format("{} answers: {}", kind_->name, words));
     } catch (const Error& error) {
       trouble_ = error;
       find(State::kBad, "device", fmt::format("{}: {}", error.input(), error.reason()), error.remedy());
@@ -210,22 +207,23 @@ class Doctor {
       const auto at = std::ranges::find(trial.figures, key, &DeviceFigure::key);
       return at == trial.figures.end() ? 0.0 : at->value;
     };
-    if (exertsForces(*kind_) && !(trial.reports_per_s > 0)) {
+    const double came = figure("reports_received") + figure("reports_garbled");
+    const double useless = figure("reports_garbled") + figure("reports_implausible");
+    const double bad = figure("reports_lost") + useless;
+    if (exertsForces(*kind_) && !(trial.reports_per_s > 0) && useless == 0) {
       silent_ = true;
       return find(State::kBad, "device", "it answered when it was opened, and nothing since",
                   "switch it off and on, and see that no other program uses it");
     }
-    const double useless = figure("reports_garbled") + figure("reports_implausible");
-    const double bad = figure("reports_lost") + useless;
-    find(bad > 0.01 * figure("reports_received") ? State::kNote : State::kGood, "device",
+    find(bad > 0.01 * came ? State::kNote : State::kGood, "device",
          fmt::format(
              "{:.0f} reports a second; {:.0f} lost, {:.0f} garbled, {:.0f} not possible; a write takes {:.0f} us "
              "in the middle, {:.0f} us at 99 %",
              trial.reports_per_s, figure("reports_lost"), figure("reports_garbled"), figure("reports_implausible"),
              figure("write_p50_us"), figure("write_p99_us")),
-         bad > 0.01 * figure("reports_received") ? "use another cable or port, without a hub" : "");
-    is_garbled_ = exertsForces(*kind_) && useless > kNoGoodShare * figure("reports_received");
-    if (is_garbled_) find(State::kBad, "device", "most of its reports cannot be used", kMendReports);
+         bad > 0.01 * came ? "use another cable or port, without a hub" : "");
+    is_garbled_ = exertsForces(*kind_) && useless > kNoGoodShare * came;
+    if (is_garbled_) return find(State::kBad, "device", "most of its reports cannot be used", kMendReports);
     if (trial.motion_m >= kSeenMotion_m)
       find(State::kGood, "device", fmt::format("its handle moved by {:.1f} mm", 1e3 * trial.motion_m));
     else
@@ -277,7 +275,7 @@ class Doctor {
   std::vector<std::string> ambiguous_;
   std::string tried_path_;
   bool silent_ = false, is_garbled_ = false;
-  std::unique_ptr<Device> device_;
+  std::shared_ptr<Device> device_;
   std::optional<Error> trouble_;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/held/held_device.hpp"
 
-#include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/choose_hid.hpp"
+#include "apps/held/chosen_device.hpp"
 #include "base/error.hpp"
 #include "servo/loop/real_time.hpp"
 
@@ -30,21 +30,6 @@ HidChoice chosen(const Scene& scene) {
                    scene.device_by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
 }
 
-double figureOf(const Device& device, std::string_view key) {
-  for (const DeviceFigure& figure : device.figures()) {
-    if (figure.key == key) return figure.value;
-  }
-  return 0;
-}
-
-// The stamp is away while the device is used, so that none is left of a program that is killed. It comes back, or is
-// made, where the device still counts from its home position, and it was a stamp or the device's button that said so.
-void noteCalibration(const Device& device, const CalibratedAs& calibrated_as, bool was_stamped) {
-  const bool known = was_stamped || figureOf(device, "calibrations") > 0;
-  if (known && figureOf(device, "calibrated") > 0 && figureOf(device, "disconnects") == 0)
-    static_cast<void>(stampCalibrated(calibrated_as));
-}
-
 }  // namespace
 
 bool isHeld(const Scene& scene) {
@@ -56,22 +41,12 @@ void checkHeldDevice(const Scene& scene) {
 }
 
 std::shared_ptr<Device> openHeldDevice(const Scene& scene) {
-  HidChoice choice = chosen(scene);
-  const CalibratedAs calibrated_as = choice.asCalibrated();
-  const bool was_stamped = isStampedCalibrated(calibrated_as);
   DeviceSetup setup{.rate_hz = scene.rate_hz,
-                    .values = std::move(choice.values),
-                    .open = std::move(choice.open),
                     .simulated_clock = scene.simulated_clock,
-                    .calibrated = scene.device_calibrated || was_stamped,
+                    .calibrated = scene.device_calibrated,
                     .thread_begins = [] { static_cast<void>(becomeRealTime(kLinkPriority)); }};
   if (scene.current_limit_A) setup.values["current_limit_A"] = *scene.current_limit_A;
-  std::unique_ptr<Device> made = makeDevice(kindOf(scene).family, setup);
-  forgetCalibration(calibrated_as.path);
-  return {made.release(), [calibrated_as, was_stamped](Device* device) {
-            noteCalibration(*device, calibrated_as, was_stamped);
-            delete device;
-          }};
+  return openChosenDevice(kindOf(scene), chosen(scene), std::move(setup));
 }
 
 HeldDevice placeHeldDevice(std::shared_ptr<Device> device, const Scene& scene, const VolumeBox& box) {

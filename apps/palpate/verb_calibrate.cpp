@@ -12,6 +12,7 @@
 #include "apps/console/message.hpp"
 #include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/choose_hid.hpp"
+#include "apps/held/chosen_device.hpp"
 #include "base/error.hpp"
 #include "device_arguments.hpp"
 #include "servo/devices/registry.hpp"
@@ -56,17 +57,17 @@ void calibrate(const CalibrateArguments& arguments) {
     return;
   }
   HidChoice choice = chooseHid(*kind, arguments.path, arguments.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
-  DeviceSetup setup{.values = choice.values, .open = std::move(choice.open)};
+  const CalibratedAs as = choice.asCalibrated();
+  DeviceSetup setup;
   // Limits matter for forces alone, of which there are none here; without one the device would say nothing else.
   for (const DeviceParameter& p : deviceEntry(kind->family).parameters())
     if (p.key == "current_limit_A" || p.key == "force_limit_N") setup.values[std::string(p.key)] = p.highest;
-  const std::unique_ptr<Device> device = makeDevice(kind->family, setup);
+  std::shared_ptr<Device> device = openChosenDevice(*kind, std::move(choice), std::move(setup));
   if (device->forceOff() == ForceOff::kInputOnly) {
     printResult("{} needs no calibration.\n", arguments.device);
     return;
   }
   if (!arguments.yes) awaitEnter();
-  forgetCalibration(choice.device.path);  // from now on it counts from elsewhere
   device->calibrate();
   Vec3 position = Vec3::Zero();
   for (int waited_ms = 0; device->forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms) {
@@ -83,7 +84,8 @@ void calibrate(const CalibrateArguments& arguments) {
     throw Error(Error::Code::kDevice, named, "it did not count from its home position",
                 "hold the handle still, and see with 'palpate doctor' that it answers");
   }
-  const bool kept = stampCalibrated(choice.asCalibrated());
+  device.reset();  // which leaves its stamp
+  const bool kept = CalibrationStamp(as).isThere();
   printResult("{} counts from its home position{}.\n", arguments.device,
               kept ? " until it is unplugged"
                    : "; this cannot be kept (by hidraw, with XDG_RUNTIME_DIR set, it could), so give --calibrated to "

@@ -283,8 +283,8 @@ class TouchJob {
     compute();
     layPath();
     readyAlgorithm();
-    readyServo();
     readyEdits();
+    readyServo();  // last: a device that is held is not left waiting
   }
   void feel();
   TouchRun tell();

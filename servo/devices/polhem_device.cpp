@@ -18,6 +18,10 @@ namespace {
 
 constexpr double kFastest_m_per_s = 10;  // a hand's fastest punch
 constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
+constexpr double kLongestLeap_m = 0.1;   // however long it said nothing: half a second is enough for a new start
+constexpr double kForgets_s = 0.5;       // of silence; the firmware takes 1 s to start
+constexpr int kSureReports = 3;          // in a row that say that the button is pressed
+constexpr double kJustBefore_s = 0.1;    // so long before it was seen not pressed
 constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
@@ -26,6 +30,14 @@ constexpr std::size_t kFewestPaced = 4;    // fewer say nothing of it
 constexpr int kPace_ms = 200;              // or what came in this time
 constexpr int kSlowest_ticks = 64;         // of a force: with more of them no contact is any good
 constexpr double kMilliamperesPerAmpere = 1e3;
+
+std::uint64_t valueOf(const std::atomic<std::uint64_t>& counter) {
+  return counter.load(std::memory_order_relaxed);
+}
+
+void countOne(std::atomic<std::uint64_t>& counter) noexcept {
+  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
 
 const PolhemParameters& checked(const PolhemParameters& p) {
   checkSetting(p.report_bytes == 14 || p.report_bytes == 64, "report size", p.report_bytes, "give 14 or 64 bytes");
@@ -53,11 +65,21 @@ PolhemCounts homeOf(const PolhemParameters& p) {
   return home;
 }
 
-LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use) {
+LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::atomic<std::uint64_t>& garbage) {
   const auto bytes = static_cast<std::size_t>(p.report_bytes);
+  const auto fold = [bytes, &garbage](Report& known, const Report& report) {
+    if (!parsePolhem(report.content(), bytes)) {
+      countOne(garbage);
+      return false;
+    }
+    known = report;
+    return true;
+  };
   return {.rest = polhemReport({}, bytes),
           .on_request = polhemReport({.count_from = homeOf(p)}, bytes),
           .answer_ms = use.answer_ms,
+          .forgets_s = kForgets_s,
+          .fold = fold,
           .thread_begins = use.thread_begins};
 }
 
@@ -67,14 +89,6 @@ Vec3 fromArm(const Vec3& v_A) noexcept {
 }
 Vec3 toArm(const Vec3& v_D) noexcept {
   return {v_D.z(), v_D.x(), v_D.y()};
-}
-
-std::uint64_t valueOf(const std::atomic<std::uint64_t>& counter) {
-  return counter.load(std::memory_order_relaxed);
-}
-
-void countOne(std::atomic<std::uint64_t>& counter) noexcept {
-  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
 }  // namespace
@@ -90,7 +104,7 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
     : parameters_(checked(parameters)),
       use_(use),
       arm_(parameters.joints, parameters.origin_m),
-      link_(std::move(open), linkSettings(parameters, use)),
+      link_(std::move(open), linkSettings(parameters, use, garbage_)),
       calibrated_(use.calibrated) {
   link_.listen(kListen_ms);
   if (!use_.simulated_clock) link_.start();
@@ -104,7 +118,7 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (received_ns_ == 0) {
-    const bool answered = link_.figures().received > 0;
+    const bool answered = valueOf(garbage_) > 0;
     throw Error(Error::Code::kDevice, "device Polhem",
                 answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
                          : "it answers no report",
@@ -126,7 +140,7 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
 void PolhemDevice::measurePace() {
   const std::int64_t begin_ns = monotonicNow_ns();
   const std::int64_t end_ns = begin_ns + std::llround(kPace_ms * kNanosecondsPerMillisecond);
-  const std::uint64_t before = seen_ - valueOf(garbage_);  // reports of which something can be made
+  const std::uint64_t before = seen_;
   std::vector<double> periods_s;
   while (periods_s.size() < kPacedReports && monotonicNow_ns() < end_ns) {
     const std::uint64_t seen = seen_;
@@ -139,9 +153,8 @@ void PolhemDevice::measurePace() {
   }
   const double time_s = static_cast<double>(monotonicNow_ns() - begin_ns) / kNanosecondsPerSecond;
   // A machine so busy that this thread hardly wakes says nothing of the device's pace: then the reports are counted.
-  report_period_s_ = periods_s.size() < kFewestPaced
-                         ? time_s / static_cast<double>(seen_ - valueOf(garbage_) - before + 1)
-                         : median(std::move(periods_s));
+  report_period_s_ =
+      periods_s.size() < kFewestPaced ? time_s / static_cast<double>(seen_ - before + 1) : median(std::move(periods_s));
 }
 
 // A force waits for the next report at most, so for one report's time. A quarter of a tick is what threads wake late.
@@ -236,41 +249,71 @@ void PolhemDevice::countOn(const PolhemCounts& raw) noexcept {
   leaps_ = 0;
 }
 
+// Since the last report that counted, by the simulated clock: there each tick should have its report.
+double PolhemDevice::silence_s() const noexcept {
+  return silent_ticks_ / use_.rate_hz;
+}
+
 // How far a hand can have moved the handle since the last report that counted told where it was. A thread that reads
-// late knows since when that may have been.
+// late knows since when that may have been. While the device was silent it may have been anywhere, and so may its
+// counts, so that time counts for little.
 double PolhemDevice::longestWay_m(const Received& received) const noexcept {
-  const double time_s = use_.simulated_clock
-                            ? silent_ticks_ / use_.rate_hz
-                            : static_cast<double>(received.time_ns - asked_ns_) / kNanosecondsPerSecond;
-  return kFastest_m_per_s * std::max(time_s, 1 / use_.rate_hz);
+  double silent_s = silence_s(), late_s = 0;
+  if (!use_.simulated_clock) {
+    silent_s = static_cast<double>(received.silent_ns - silent_ns_) / kNanosecondsPerSecond;
+    late_s = std::max(0.0, static_cast<double>(received.time_ns - asked_ns_) / kNanosecondsPerSecond - silent_s);
+  }
+  return std::max(kFastest_m_per_s * late_s + std::min(kFastest_m_per_s * silent_s, kLongestLeap_m),
+                  kFastest_m_per_s / use_.rate_hz);
+}
+
+// The firmware holds what the button asked until it is told to count from home, which it then does from where the
+// handle is at that moment.
+void PolhemDevice::heedButton(bool asks, bool just_before) noexcept {
+  if (!asks) {
+    asked_reports_ = 0;
+    return;
+  }
+  if (asked_reports_++ == 0) is_pressed_now_ = just_before;
+  if (asked_reports_ % kAskAgain == kSureReports) tell(is_pressed_now_ ? Pending::kCalibrating : Pending::kClearing);
 }
 
 void PolhemDevice::take(const Received& received) noexcept {
   if (received.number == seen_) return;
   seen_ = received.number;
   const auto state = parsePolhem(received.report.content(), static_cast<std::size_t>(parameters_.report_bytes));
-  if (!state) return countOne(garbage_);
+  if (!state) return;  // before the first one: the link passes on what is a report
   requests_ = received.requests;
-  const bool is_new = connection_.load(std::memory_order_relaxed) != received.connection;
+  const std::uint64_t connection = connection_.load(std::memory_order_relaxed);
+  const bool has_forgotten = use_.simulated_clock && connection > 0 && silence_s() >= kForgets_s;
+  const bool is_new = connection != received.connection || has_forgotten;
   if (is_new) {
-    if (received.connection > 1) calibrated_.store(false, std::memory_order_relaxed);  // it was away
-    calibrating_ = false;
-    countFrom(state->counts);
+    if (received.connection > 1 || has_forgotten) calibrated_.store(false, std::memory_order_relaxed);  // it was away
+    pending_ = Pending::kNothing;
+    asked_reports_ = 0;
   }
-  if (state->asks_for_calibration && (!calibrating_ || ++asked_reports_ > kAskAgain)) calibrate();
-  const double longest_m = longestWay_m(received);
-  const bool was_told = calibrating_ && received.requests >= request_;
-  if (was_told && !state->asks_for_calibration && isHome(state->counts)) {
-    calibrating_ = false;
-    calibrated_.store(true, std::memory_order_relaxed);
-    countOne(calibrations_);
+  // One that came of its own accord may be of any age: the next one begins anew.
+  const bool begins = is_new || was_unasked_;
+  was_unasked_ = received.unasked;
+  const double since_s =
+      use_.simulated_clock ? silence_s() : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
+  if (pending_ != Pending::kNothing && !state->asks_for_calibration && isHome(state->counts)) {
+    if (received.requests < request_) return;  // it may have been said before
+    if (std::exchange(pending_, Pending::kNothing) == Pending::kCalibrating) {
+      calibrated_.store(true, std::memory_order_relaxed);
+      countOne(calibrations_);
+    }
     countFrom(state->counts);
-  } else if (!is_new && !follows(state->counts, longest_m)) {
+  } else if (begins) {
+    countFrom(state->counts);
+  } else if (!follows(state->counts, longestWay_m(received))) {
     return;
   }
+  heedButton(state->asks_for_calibration, !begins && since_s <= kJustBefore_s);
   connection_.store(received.connection, std::memory_order_relaxed);
   received_ns_ = received.time_ns;
   asked_ns_ = received.asked_ns;
+  silent_ns_ = received.silent_ns;
   silent_ticks_ = 0;
   pressed_ = state->pressed;
   angles_ = arm_.angles(counts_);
@@ -348,9 +391,12 @@ Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
 }
 
 void PolhemDevice::calibrate() noexcept {
-  calibrating_ = true;
+  tell(Pending::kCalibrating);
+}
+
+void PolhemDevice::tell(Pending what) noexcept {
+  pending_ = what;
   request_ = requests_ + 1;
-  asked_reports_ = 0;
   calibrated_.store(false, std::memory_order_relaxed);
   link_.askOnce();
 }

@@ -10,7 +10,10 @@
 // it. So forces stay off until the limit is given.
 //   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
 // counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
-// What counts as an answer to a calibration came after the device was told, over the same connection.
+// What counts as an answer to a calibration came after the device was told, over the same connection. The button counts
+// if it was seen not pressed a moment before, and pressed in several reports: what was pressed at some time before,
+// when the handle may have been elsewhere, makes the device uncalibrated.
+//   A device that says nothing usable for 0.5 s may have been switched off and on.
 //   A force waits for the next report, so the pace of the reports, measured when the device is opened, is its delay.
 // Frame D, the device's: x to the right, y up, z towards the user, 0 in the middle of the workspace [m, N].
 // placed_device.hpp puts it into the world. Threads as in
@@ -80,6 +83,10 @@ class PolhemDevice final : public Device {
   void take(const Received& received) noexcept;
   void measurePace();
   [[nodiscard]] int delayTicks() const noexcept;
+  enum class Pending { kNothing, kClearing, kCalibrating };  // what the device was told last, and has not answered
+  void tell(Pending what) noexcept;
+  void heedButton(bool asks, bool just_before) noexcept;
+  [[nodiscard]] double silence_s() const noexcept;
   [[nodiscard]] bool follows(const PolhemCounts& raw, double longest_m) noexcept;
   void countFrom(const PolhemCounts& raw) noexcept;
   void countOn(const PolhemCounts& raw) noexcept;
@@ -91,12 +98,15 @@ class PolhemDevice final : public Device {
   PolhemParameters parameters_;
   PolhemUse use_;
   ArmKinematics arm_;
+  std::atomic<std::uint64_t> garbage_{0};  // counted by the link's thread
   ReportLink link_;
   std::uint64_t seen_ = 0;
   std::atomic<std::uint64_t> connection_{0};  // of the last report that counted
   std::uint64_t requests_ = 0, request_ = 0;  // that were heard of last; that a calibration waits for
   std::int64_t received_ns_ = 0;              // when the last report that counted came
   std::int64_t asked_ns_ = 0;                 // since when that may have been so
+  std::int64_t silent_ns_ = 0;                // how long the link had heard nothing in all until then
+  bool was_unasked_ = false;                  // it came of its own accord
   double report_period_s_ = 0;                // measured at the start; 0: by the simulated clock, or nothing came [s]
   int silent_ticks_ = 0;                      // simulated clock: since the last report that counted
   bool pressed_ = false;                      // the handle's switch
@@ -105,10 +115,11 @@ class PolhemDevice final : public Device {
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
   int leaps_ = 0;                                           // in a row
   Vec3 leapt_to_A_ = Vec3::Zero();
-  int asked_reports_ = 0;  // since the device was told to count from home
-  bool calibrating_ = false;
+  int asked_reports_ = 0;        // in a row in which the button asks for a calibration
+  bool is_pressed_now_ = false;  // it was seen not to ask a moment before the first of them
+  Pending pending_ = Pending::kNothing;
   std::atomic<bool> calibrated_;
-  std::atomic<std::uint64_t> garbage_{0}, implausible_{0}, calibrations_{0};
+  std::atomic<std::uint64_t> implausible_{0}, calibrations_{0};
 };
 
 }  // namespace palpate

@@ -14,6 +14,8 @@ namespace palpate {
 namespace {
 
 constexpr int kQuietRead_ms = 100;  // of a device that does not answer: how long a stop may have to wait [ms]
+constexpr int kLate_ms = 2;         // how much later than an answer that was late its next one comes
+constexpr double kSlept_ns = 1e8;   // the machine slept, if its clocks differ by more than before
 constexpr int kMostQueued = 64;     // reports that Linux keeps for a reader
 
 std::chrono::nanoseconds seconds(double s) {
@@ -38,6 +40,7 @@ class Deadline {
 ReportLink::ReportLink(PortOpener open, LinkSettings settings)
     : open_(std::move(open)), settings_(std::move(settings)), port_(open_()) {
   last_.connection = 1;
+  slept_ns_ = suspended_ns();
   connected_.store(true, std::memory_order_release);
 }
 
@@ -72,6 +75,9 @@ bool ReportLink::reopen() noexcept {
   }
   ++last_.connection;
   connection_.store(last_.connection, std::memory_order_release);
+  // Most devices say something at once when they are switched on.
+  waits_ = true;
+  asked_ns_ = monotonicNow_ns();
   count(reconnects_);
   connected_.store(true, std::memory_order_release);
   return true;
@@ -81,6 +87,8 @@ bool ReportLink::reopen() noexcept {
 void ReportLink::lose() noexcept {
   lost_at_ns_ = monotonicNow_ns();
   waits_ = false;
+  silence_ns_ = 0;
+  answers_to_request_ = 0;
   asked_.store(false, std::memory_order_release);
   connected_.store(false, std::memory_order_release);
   port_.reset();
@@ -108,7 +116,8 @@ bool ReportLink::write(const Report& report) noexcept {
   const bool taken = port_->write(report);
   writes_.add(monotonicNow_ns() - begin_ns);
   count(taken ? written_ : refused_);
-  if (taken && &report == &settings_.on_request) ++last_.requests;
+  // The next report may be one that was on its way already.
+  if (taken && &report == &settings_.on_request) answers_to_request_ = 2;
   return taken;
 }
 
@@ -137,7 +146,28 @@ bool ReportLink::fold(const Report& report) noexcept {
   return true;
 }
 
+// Not more than the device was waited for: that this thread was held up is no silence of the device.
+void ReportLink::beSilent(std::int64_t since_ns) noexcept {
+  const auto most_ns = std::llround(settings_.answer_ms * kNanosecondsPerMillisecond);
+  const std::int64_t silent_ns = std::min<std::int64_t>(monotonicNow_ns() - since_ns, most_ns);
+  silence_ns_ += silent_ns;
+  last_.silent_ns += silent_ns;
+}
+
+bool ReportLink::mayHaveForgotten() noexcept {
+  const std::int64_t slept_ns = suspended_ns();
+  const bool slept = std::abs(static_cast<double>(slept_ns - slept_ns_)) > kSlept_ns;
+  slept_ns_ = slept_ns;
+  const auto silence_ns = static_cast<double>(std::exchange(silence_ns_, 0));
+  return threaded_ && settings_.answers && (slept || silence_ns >= settings_.forgets_s * kNanosecondsPerSecond);
+}
+
 void ReportLink::tell() noexcept {
+  if (mayHaveForgotten()) {
+    ++last_.connection;
+    connection_.store(last_.connection, std::memory_order_release);
+  }
+  if (answers_to_request_ > 0 && --answers_to_request_ == 0) ++last_.requests;
   last_.time_ns = monotonicNow_ns();
   last_.asked_ns = waits_ ? asked_ns_ : last_.time_ns;
   waits_ = false;
@@ -151,13 +181,17 @@ bool ReportLink::listen(int most_ms) noexcept {
   Report report;
   if (!std::exchange(waits_, true)) asked_ns_ = monotonicNow_ns();
   if (!port_ || readWithin(report, most_ms) != PortRead::kReport) return false;
+  last_.unasked = true;
   if (fold(report)) tell();
+  last_.unasked = false;
   return true;
 }
 
 bool ReportLink::exchange() noexcept {
   if (!port_ && !reopen()) return false;
-  if (!std::exchange(waits_, true)) asked_ns_ = monotonicNow_ns();
+  const std::int64_t begin_ns = monotonicNow_ns();
+  const bool is_owed = std::exchange(waits_, true);  // an answer that did not come in time, and may come now
+  if (!is_owed) asked_ns_ = begin_ns;
   if (settings_.answers && !write(outgoing())) {
     lose();
     return false;
@@ -170,15 +204,18 @@ bool ReportLink::exchange() noexcept {
   }
   if (got == PortRead::kNothing) {
     if (settings_.answers) count(lost_);
+    beSilent(begin_ns);
     return false;
   }
   countGap();
   bool told = fold(report);
-  for (int more = 0; more < kMostQueued && port_->read(report, 0) == PortRead::kReport; ++more) {
+  int wait_ms = is_owed && settings_.answers ? std::min(settings_.answer_ms, kLate_ms) : 0;
+  for (int more = 0; more < kMostQueued && readWithin(report, wait_ms) == PortRead::kReport; ++more) {
     count(superseded_);
     told = fold(report) || told;
+    wait_ms = 0;
   }
-  if (told) tell();
+  told ? tell() : beSilent(begin_ns);
   return told;
 }
 

@@ -6,6 +6,8 @@
 // and then waits for the answer, so the device sets the pace. A device that does not answer is only read.
 //   A command that is older than `command_life_s` is not written again: `rest` is, a report without force. So a servo
 // that stands still cannot leave a force on the hand.
+//   A device that was asked and said nothing for `forgets_s`, or a machine that slept meanwhile, may have been switched
+// off and on: what it says then is of a new connection.
 //   If the device goes away, the thread tries to open it again, every `reopen_s`. A device that comes back may have
 // forgotten everything; its reports carry the number of the connection.
 // Without the thread (never start()ed), exchange() does one round in the caller's thread, for the simulated clock:
@@ -28,13 +30,14 @@
 namespace palpate {
 
 struct LinkSettings {
-  bool answers = true;           // one report for each that is written
-  Report rest = {};              // written where there is no command that may be
-  Report on_request = {};        // written once after askOnce()
-  double command_life_s = 0.02;  // [s]
-  int answer_ms = 10;            // an answer that takes longer counts as lost [ms]
-  double reopen_s = 0.25;        // [s]
-  double interval_s = 0;         // of the reports of a device that does not answer, while it moves; 0: not stated [s]
+  bool answers = true;                                         // one report for each that is written
+  Report rest = {};                                            // written where there is no command that may be
+  Report on_request = {};                                      // written once after askOnce()
+  double command_life_s = 0.02;                                // [s]
+  int answer_ms = 10;                                          // an answer that takes longer counts as lost [ms]
+  double reopen_s = 0.25;                                      // [s]
+  double forgets_s = std::numeric_limits<double>::infinity();  // of a device that answers, with the thread [s]
+  double interval_s = 0;  // of the reports of a device that does not answer, while it moves; 0: not stated [s]
   // What a report makes of what was known before, for a device whose reports tell a part each; empty: the report is
   // all. False: it is no report of the device. Called by the link's thread.
   std::function<bool(Report& known, const Report& report)> fold = {};
@@ -46,11 +49,13 @@ struct LinkSettings {
 
 struct Received {
   Report report;
-  std::int64_t time_ns = 0;      // when it came
-  std::int64_t asked_ns = 0;     // when the oldest write was begun that it may answer: what it tells is no older
-  std::uint64_t number = 0;      // of the report, from 1 on; 0: none has come
+  std::int64_t time_ns = 0;    // when it came
+  std::int64_t asked_ns = 0;   // when the oldest write was begun that it may answer: what it tells is no older
+  std::int64_t silent_ns = 0;  // in all until then: while the device was asked and said nothing that is a report of its
+  bool unasked = false;        // it came of its own accord: nobody knows how old it is
+  std::uint64_t number = 0;    // of the report, from 1 on; 0: none has come
   std::uint64_t connection = 0;  // from 1 on
-  std::uint64_t requests = 0;    // `on_request` reports that the device had taken before it came
+  std::uint64_t requests = 0;    // `on_request` reports that it answers or comes after; rather too few than too many
 };
 
 // What became of the reports.
@@ -101,6 +106,8 @@ class ReportLink {
   [[nodiscard]] PortRead readWithin(Report& report, int most_ms) noexcept;
   void countGap() noexcept;
   [[nodiscard]] bool fold(const Report& report) noexcept;
+  void beSilent(std::int64_t since_ns) noexcept;
+  [[nodiscard]] bool mayHaveForgotten() noexcept;
   void tell() noexcept;
   static void count(Counter& counter, std::uint64_t more = 1) noexcept {
     counter.store(counter.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
@@ -117,6 +124,9 @@ class ReportLink {
   Received last_;
   std::int64_t asked_ns_ = 0;                                           // of the oldest write without an answer
   bool waits_ = false;                                                  // there is one
+  std::int64_t silence_ns_ = 0;                                         // since the last report
+  std::int64_t slept_ns_ = 0;                                           // by the machine, when it came
+  int answers_to_request_ = 0;                                          // that are still to come
   std::int64_t lost_at_ns_ = std::numeric_limits<std::int64_t>::min();  // when the device went away last
   Counter written_{0}, lost_{0}, superseded_{0}, refused_{0}, rests_{0}, disconnects_{0}, reconnects_{0}, taken_{0};
   LatencyHistogram writes_;

@@ -33,13 +33,13 @@ namespace {
 
 struct Options {
   std::vector<std::string> devices = {"polhem"};  // polhem, teensy, gadget (a Polhem's numbers, but another thing),
-                                                  // silent (never answers), keyboard, none
+                                                  // silent (never answers), spacemouse, keyboard, none
   std::string path_csv;                           // the hand's way in the world; empty: it rests in the middle
   Vec3 at_W = Vec3::Zero();
   double rate_hz = 1000;
   double current_limit_A = 3;
   bool calibrated = true;
-  bool asks = false;       // its calibration button was pressed
+  int asks_from = -1;      // report from which on its calibration button is pressed; 0: since before; -1: never
   bool forbidden = false;  // nobody may open the nodes
   int unplug_after = -1;   // reports after which it is unplugged; -1: never
   int replug_ms = -1;      // and plugged in again; -1: never
@@ -84,8 +84,8 @@ Options parsed(int count, char** words) {
       o.rate_hz = std::stod(value());
     } else if (word == "--uncalibrated") {
       o.calibrated = false;
-    } else if (word == "--asks") {
-      o.asks = true;
+    } else if (word == "--asks-from") {
+      o.asks_from = std::stoi(value());
     } else if (word == "--forbidden") {
       o.forbidden = true;
     } else if (word == "--unplug-after") {
@@ -143,6 +143,7 @@ Look lookOf(const std::string& device) {
   constexpr const char* kPolhem = "06abff0a0002";
   if (device == "teensy") return {"16C0:0486", 64, "Teensyduino RawHID", kPolhem};
   if (device == "gadget") return {"1234:0006", 14, "A lamp", "0600ff0901"};
+  if (device == "spacemouse") return {"256F:C635", 7, "SpaceMouse Compact", "05010908"};
   if (device == "keyboard") return {"046D:C31C", 8, "Keyboard", "05010906"};
   return {"1234:0006", 14, "mbed Polhem", kPolhem};
 }
@@ -210,7 +211,7 @@ class Emulated {
     parameters_.current_limit_A = options.current_limit_A;
     arm_ =
         std::make_unique<EmulatedPolhem>(parameters_, HandParameters{}, path, 1 / options.rate_hz, options.calibrated);
-    if (options.asks) arm_->pressCalibration();
+    if (options.asks_from == 0) arm_->pressCalibration();
     reports_of_ =
         std::make_unique<EmulatedReports>(*arm_, options.faults, options.seed + static_cast<unsigned>(number));
   }
@@ -234,6 +235,7 @@ class Emulated {
     }
     report.size = static_cast<std::size_t>(got);
     ++reports_;
+    if (reports_ == options_.asks_from) arm_->pressCalibration();
     arm_->press(reports_ >= options_.press_from && reports_ < options_.press_to);
     if (options_.paced) usleep(1000);
     if (!answers() || (options_.silent_after >= 0 && reports_ > options_.silent_after)) return;

@@ -50,6 +50,14 @@ TEST_F(HidDoctor, NamesEachReasonForNoForce) {
 }
 
 // Root may use anything, so the program runs as nobody.
+TEST_F(HidDoctor, KnowsADeviceWithoutMotors) {
+  const Outcome outcome = doctor({"--devices", "keyboard,spacemouse"});
+  expectOff(outcome, "the device has no motors");
+  EXPECT_EQ(json()["device"], "spacemouse");
+  EXPECT_EQ(doctor({"--devices", "spacemouse,polhem"}, {"--calibrated"}).status, 1);
+  EXPECT_EQ(json()["device"], "polhem-v1");  // one that can exert forces is meant
+}
+
 TEST_F(HidDoctor, NamesMissingRightsAndTheRuleThatGivesThem) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
   std::filesystem::permissions(folder(), std::filesystem::perms::all);
@@ -121,6 +129,28 @@ TEST_F(HidDoctor, CalibratesForLaterRuns) {
   EXPECT_THAT(outcome.out, HasSubstr("forces are off because the device does not know where its handle is"));
   EXPECT_THAT(outcome.out, HasSubstr("polhem-v1 counts from its home position until it is unplugged.\n"));
   EXPECT_THAT(outcome.out, HasSubstr("forces are on: polhem-v1\n"));
+}
+
+// What a run leaves for the next one.
+TEST_F(HidDoctor, KnowsAfterARunWhetherTheDeviceIsCalibrated) {
+  const std::string program = PALPATE_PROGRAM;
+  const std::string calibrate = program + " calibrate --device polhem-v1 --yes; ";
+  const auto touch = [&](double seconds) {
+    return fmt::format(
+        "{} touch phantom:sphere?size=16 --device polhem-v1 --current-limit 3 --picture off --seconds {}", program,
+        seconds);
+  };
+  const std::string doctor = "; " + program + " doctor --seconds 0.2 --device polhem-v1 --current-limit 3";
+  const auto after = [&](const Words& machine, const std::string& commands) {
+    return emulate(Words{"--paced"} + machine, {"sh", "-c", commands + doctor}).out;
+  };
+  constexpr const char* kOn = "forces are on: polhem-v1";
+  constexpr const char* kOff = "forces are off because the device does not know where its handle is";
+  EXPECT_THAT(after({"--uncalibrated"}, calibrate + touch(0.3)), HasSubstr(kOn));
+  EXPECT_THAT(after({"--uncalibrated"}, calibrate + "timeout -s KILL 2 " + touch(9) + "; sleep 0.5"), HasSubstr(kOff));
+  EXPECT_THAT(after({"--uncalibrated", "--unplug-after", "400", "--replug-ms", "100"}, calibrate + touch(1.5)),
+              HasSubstr(kOff));
+  EXPECT_THAT(after({"--uncalibrated", "--asks-from", "250"}, touch(1)), HasSubstr(kOn));
 }
 
 TEST_F(HidDoctor, CalibratesOnlyWhatNeedsIt) {

@@ -189,9 +189,15 @@ TEST_F(HidTouch, SaysWhyTheForcesAreOff) {
   const Outcome uncalibrated = on({"--uncalibrated"}, touch + Words{"--current-limit", "3"});
   EXPECT_THAT(uncalibrated.err, HasSubstr("forces are off because the device does not know where its handle is"));
   EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
-  const Outcome asked = on({"--asks"}, touch + Words{"--current-limit", "3"});
+  const Outcome asked = on({"--uncalibrated", "--asks-from", "20"}, touch + Words{"--current-limit", "3"});
   EXPECT_EQ(asked.status, 0);
   EXPECT_EQ(figure("calibrations"), 1);
+  EXPECT_EQ(summary()["device"]["force_off"], "none");
+  // Pressed before anybody looked: where the handle was then nobody knows.
+  const Outcome long_ago = on({"--asks-from", "0"}, touch + Words{"--current-limit", "3", "--calibrated"});
+  EXPECT_EQ(long_ago.status, 0);
+  EXPECT_EQ(figure("calibrations"), 0);
+  EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
 }
 
 }  // namespace hid_touch_test

@@ -11,10 +11,10 @@
 namespace palpate {
 namespace calibration_stamp_test {
 
-class CalibrationStamp : public testing::Test {
+class Stamps : public testing::Test {
  protected:
-  CalibrationStamp() { setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
-  ~CalibrationStamp() override { unsetenv("XDG_RUNTIME_DIR"); }
+  Stamps() { setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1); }
+  ~Stamps() override { unsetenv("XDG_RUNTIME_DIR"); }
   std::string node(const std::string& name) const {
     const std::filesystem::path path = folder_.path() / name;
     std::ofstream(path) << "x";
@@ -27,44 +27,64 @@ class CalibrationStamp : public testing::Test {
 };
 
 // A device that is plugged in again has another file, of the same name.
-TEST_F(CalibrationStamp, HoldsAsLongAsTheDeviceStays) {
+TEST_F(Stamps, HoldsAsLongAsTheDeviceStays) {
   const std::string one = node("hidraw0"), other = node("hidraw1");
-  EXPECT_FALSE(isStampedCalibrated(as(one)));
-  EXPECT_TRUE(stampCalibrated(as(one)));
-  EXPECT_TRUE(isStampedCalibrated(as(one)));
-  EXPECT_FALSE(isStampedCalibrated(as(other)));
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
+  EXPECT_TRUE(CalibrationStamp(as(one)).put());
+  EXPECT_TRUE(CalibrationStamp(as(one)).isThere());
+  EXPECT_FALSE(CalibrationStamp(as(other)).isThere());
   std::filesystem::remove(one);
-  EXPECT_FALSE(isStampedCalibrated(as(one)));
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
   const std::string keeper = node("keeps the inode");
   EXPECT_EQ(node("hidraw0"), one);
-  EXPECT_FALSE(isStampedCalibrated(as(one)));
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
 }
 
 // Driven as another kind, or with another home, it counts from elsewhere.
-TEST_F(CalibrationStamp, IsOfOneKindWithItsValues) {
+TEST_F(Stamps, IsOfOneKindWithItsValues) {
   const std::string one = node("hidraw0");
-  EXPECT_TRUE(stampCalibrated(as(one)));
-  EXPECT_FALSE(isStampedCalibrated(as(one, "another arm")));
-  EXPECT_FALSE(isStampedCalibrated(as(one, "arm", 6)));
-  EXPECT_FALSE(isStampedCalibrated({.path = one, .kind = "arm"}));
-  EXPECT_TRUE(isStampedCalibrated(as(one)));
-  forgetCalibration(node("hidraw1"));
-  EXPECT_TRUE(isStampedCalibrated(as(one)));
-  forgetCalibration(one);
-  EXPECT_FALSE(isStampedCalibrated(as(one)));
+  EXPECT_TRUE(CalibrationStamp(as(one)).put());
+  EXPECT_FALSE(CalibrationStamp(as(one, "another arm")).isThere());
+  EXPECT_FALSE(CalibrationStamp(as(one, "arm", 6)).isThere());
+  EXPECT_FALSE(CalibrationStamp({.path = one, .kind = "arm"}).isThere());
+  EXPECT_TRUE(CalibrationStamp(as(one)).isThere());
+  EXPECT_FALSE(CalibrationStamp(as(node("hidraw1"))).take());
+  EXPECT_TRUE(CalibrationStamp(as(one)).isThere());
+  EXPECT_TRUE(CalibrationStamp(as(one)).take());
+  EXPECT_FALSE(CalibrationStamp(as(one)).take());
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
 }
 
-TEST_F(CalibrationStamp, IsNoneWhereItCannotBeKept) {
+// A program as another kind takes away what is there, and does not believe it.
+TEST_F(Stamps, IsTakenByWhoeverOpensTheDevice) {
   const std::string one = node("hidraw0");
-  EXPECT_FALSE(stampCalibrated(as((folder_.path() / "none").string())));
+  EXPECT_TRUE(CalibrationStamp(as(one)).put());
+  EXPECT_FALSE(CalibrationStamp(as(one, "another arm")).take());
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
+}
+
+// What is put back is the stamp of the device that was opened, not of the one that is there now.
+TEST_F(Stamps, IsOfTheDeviceThatWasThere) {
+  const std::string one = node("hidraw0");
+  const CalibrationStamp opened(as(one));
+  std::filesystem::remove(one);
+  const std::string keeper = node("keeps the inode");
+  EXPECT_EQ(node("hidraw0"), one);
+  EXPECT_TRUE(opened.put());
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
+}
+
+TEST_F(Stamps, IsNoneWhereItCannotBeKept) {
+  const std::string one = node("hidraw0");
+  EXPECT_FALSE(CalibrationStamp(as((folder_.path() / "none").string())).put());
   for (const char* folder : {"", "relative", "/proc/none"}) {
     setenv("XDG_RUNTIME_DIR", folder, 1);
-    EXPECT_FALSE(stampCalibrated(as(one))) << folder;
-    EXPECT_FALSE(isStampedCalibrated(as(one))) << folder;
+    EXPECT_FALSE(CalibrationStamp(as(one)).put()) << folder;
+    EXPECT_FALSE(CalibrationStamp(as(one)).isThere()) << folder;
   }
   unsetenv("XDG_RUNTIME_DIR");
-  EXPECT_FALSE(stampCalibrated(as(one)));
-  EXPECT_FALSE(isStampedCalibrated(as(one)));
+  EXPECT_FALSE(CalibrationStamp(as(one)).put());
+  EXPECT_FALSE(CalibrationStamp(as(one)).isThere());
 }
 
 }  // namespace calibration_stamp_test

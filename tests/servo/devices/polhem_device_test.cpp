@@ -2,7 +2,11 @@
 // The host's side of a Polhem against the emulated other end of its cable, by the simulated clock.
 #include "servo/devices/polhem_device.hpp"
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <semaphore>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -166,7 +170,10 @@ TEST(PolhemDevice, IsCalibratedByItsButton) {
   EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
   EXPECT_GT((bench.position() - at_home.position(0)).norm(), 0.05);
   bench.emulated.pressCalibration();
-  bench.pass(3, Vec3(0, 1, 0));
+  bench.pass(4, Vec3(0, 1, 0));  // three reports say it, then the device is told
+  EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
+  EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero());
+  bench.pass(2, Vec3(0, 1, 0));
   EXPECT_EQ(bench.device.forceOff(), ForceOff::kNone);
   EXPECT_NEAR((bench.position() - at_home.position(0)).norm(), 0, bench.device.limits().position_resolution_m);
   EXPECT_EQ(bench.figure("calibrations"), 1);
@@ -310,8 +317,9 @@ PolhemParameters atZero() {  // an arm whose home is where its counts are 0, as 
 // from 0 wherever it is switched on then looks as if it were at home.
 TEST(PolhemDevice, IsNotCalibratedByARequestThatWasLostWithTheCable) {
   Bench bench(rest(), atZero(), false);
-  bench.emulated.pressCalibration();
   bench.pass(1);
+  bench.emulated.pressCalibration();
+  bench.pass(3);
   bench.cable.refuses = true;
   bench.device.elapse(1);
   EXPECT_EQ(bench.device.forceOff(), ForceOff::kDisconnected);
@@ -323,17 +331,148 @@ TEST(PolhemDevice, IsNotCalibratedByARequestThatWasLostWithTheCable) {
   EXPECT_EQ(bench.figure("calibrations"), 0);
 }
 
-// An answer from before the device was told is no answer to it, though the handle is near home: here the command is
-// lost, and nothing was set.
-TEST(PolhemDevice, IsNotCalibratedByAnOlderReport) {
-  Bench bench(rest(), atZero(), false);  // counts 0 where it is: as if at home
-  bench.device.calibrate();
-  Vec3 ignored;
-  static_cast<void>(bench.device.read(ignored));
-  EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
-  bench.pass(1);  // now it is told, and answers
-  EXPECT_EQ(bench.device.forceOff(), ForceOff::kNone);
-  EXPECT_EQ(bench.figure("calibrations"), 1);
+// The link is in the middle of an exchange when the calibration is asked for. That exchange's answer is new, of the
+// same connection, at home and without the button: only the number of the request tells that it came before.
+TEST(PolhemDevice, IsNotCalibratedByAnAnswerToWhatWasWrittenBefore) {
+  std::atomic<bool> gated{false};
+  std::counting_semaphore<> entered{0}, let{0};
+  EmulatedPolhem emulated(atZero(), {}, rest(), kTick_s, false);  // counts 0 where it is: as if at home
+  EmulatedCable cable(emulated);
+  cable.pace = std::chrono::milliseconds(1);
+  cable.spoil = [&](const Report& answer) {
+    if (gated) {
+      entered.release();
+      let.acquire();
+    }
+    return std::optional(answer);
+  };
+  PolhemDevice device(atZero(), {.rate_hz = 1000}, cable.opener());
+  struct Open {  // after the device, whose destructor waits for the thread
+    std::atomic<bool>& gated;
+    std::counting_semaphore<>& let;
+    ~Open() {
+      gated = false;
+      let.release();
+    }
+  } open{gated, let};
+  const auto figure = [&](std::string_view key) {
+    for (const DeviceFigure& f : device.figures())
+      if (f.key == key) return f.value;
+    return -1.0;
+  };
+  const auto stops = [&] { return entered.try_acquire_for(std::chrono::seconds(5)); };
+  Vec3 at;
+  gated = true;
+  ASSERT_TRUE(stops());  // within a write of no command
+  EXPECT_TRUE(device.read(at));
+  device.calibrate();
+  // That write's answer, and then the command's, after which one more may have been on its way.
+  for (const bool calibrated : {false, false, true}) {
+    const double received = figure("reports_received");
+    let.release();
+    ASSERT_TRUE(stops());
+    EXPECT_EQ(figure("reports_received"), received + 1);
+    EXPECT_TRUE(device.read(at));
+    EXPECT_EQ(device.forceOff(), calibrated ? ForceOff::kNone : ForceOff::kUncalibrated);
+    EXPECT_EQ(figure("calibrations"), calibrated ? 1 : 0);
+    EXPECT_EQ(device.held(Vec3(0, 1, 0)), calibrated ? Vec3(0, 1, 0) : Vec3(0, 0, 0));
+  }
+  EXPECT_EQ(figure("reports_implausible"), 0);
+}
+
+// The firmware holds what its button asked. The handle may have been elsewhere then.
+TEST(PolhemDevice, IsNotCalibratedByAButtonOfSomeTimeBefore) {
+  for (const bool calibrated : {false, true}) {
+    EmulatedPolhem emulated(known(), {}, rest(), kTick_s, calibrated);
+    emulated.pressCalibration();
+    EmulatedCable cable(emulated);
+    PolhemDevice device(known(), {.simulated_clock = true, .calibrated = calibrated, .answer_ms = 0}, cable.opener());
+    const auto pass = [&](int ticks) {
+      for (int i = 0; i < ticks; ++i) {
+        static_cast<void>(device.write(Vec3(0, 1, 0)));
+        device.elapse(1);
+      }
+    };
+    pass(20);
+    EXPECT_EQ(device.forceOff(), ForceOff::kUncalibrated);  // the arm counts from elsewhere now
+    EXPECT_EQ(emulated.currents_A(), Vec3::Zero());
+    emulated.pressCalibration();  // it may be pressed again
+    pass(20);
+    EXPECT_EQ(device.forceOff(), ForceOff::kNone);
+  }
+}
+
+// Nor by one that was pressed while nothing was heard for a while.
+TEST(PolhemDevice, IsNotCalibratedByAButtonThatWasPressedUnseen) {
+  for (const int silent : {90, 110}) {
+    Bench bench(rest());
+    bench.pass(5);
+    bench.cable.spoil = [](const Report&) { return std::nullopt; };
+    bench.pass(silent);
+    bench.emulated.pressCalibration();
+    bench.cable.spoil = {};
+    bench.pass(20);
+    EXPECT_EQ(bench.device.forceOff(), silent < 100 ? ForceOff::kNone : ForceOff::kUncalibrated) << silent;
+    EXPECT_EQ(bench.figure("calibrations"), silent < 100 ? 1 : 0) << silent;
+  }
+}
+
+// One report that asks for it, as a damaged one may, makes a calibrated arm count from nowhere else.
+TEST(PolhemDevice, IsNotCalibratedByOneOddReport) {
+  Bench bench(rest());
+  bench.pass(5, Vec3(0, 1, 0));
+  const Vec3 before = bench.position();
+  for (int odd = 1; odd <= 2; ++odd) {
+    bench.emulated.pressCalibration();
+    for (int i = 0; i < odd; ++i) bench.pass(1, Vec3(0, 1, 0));
+    bench.emulated.releaseCalibration();
+    bench.pass(5, Vec3(0, 1, 0));
+    EXPECT_EQ(bench.figure("calibrations"), 0);
+    EXPECT_EQ(bench.device.forceOff(), ForceOff::kNone);
+    EXPECT_LT((bench.position() - before).norm(), 5e-3);
+  }
+}
+
+// It says nothing, and then counts from 0: after a short silence its place is one that no hand reaches, after a long
+// one nothing of what was known holds.
+TEST(PolhemDevice, IsNotCalibratedAnyMoreWhenItStartedAnewInSilence) {
+  for (const bool garbled : {false, true}) {
+    for (const int silent : {1, 20, 100, 400, 499, 500, 2000}) {
+      Bench bench(rest());
+      bench.pass(5, Vec3(0, 1, 0));
+      bench.cable.spoil = [&](Report answer) {
+        answer.size = 3;
+        return garbled ? std::optional(answer) : std::nullopt;
+      };
+      bench.pass(silent, Vec3(0, 1, 0));
+      bench.emulated.restart();
+      bench.cable.spoil = {};
+      bench.pass(5, Vec3(0, 1, 0));
+      EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated) << silent;
+      EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero()) << silent;
+    }
+  }
+}
+
+// By the real clock the link notices it, however seldom the servo looks.
+TEST(PolhemDevice, ForgetsInSilenceAlsoUnseen) {
+  for (const int silent_ms : {200, 700}) {
+    EmulatedPolhem emulated(known(), {}, rest(), kTick_s);
+    EmulatedCable cable(emulated);
+    cable.pace = std::chrono::milliseconds(1);
+    std::atomic<bool> silent{false};
+    cable.spoil = [&](const Report& answer) { return silent ? std::nullopt : std::optional(answer); };
+    PolhemDevice device(known(), {.rate_hz = 1000, .calibrated = true}, cable.opener());
+    EXPECT_EQ(device.forceOff(), ForceOff::kNone);
+    silent = true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(silent_ms));
+    silent = false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    Vec3 at;
+    EXPECT_TRUE(device.read(at) || silent_ms > 500);
+    EXPECT_TRUE(device.read(at));
+    EXPECT_EQ(device.forceOff(), silent_ms < 500 ? ForceOff::kNone : ForceOff::kUncalibrated) << silent_ms;
+  }
 }
 
 // The bus has it again, but nothing has come yet: where it is and whether it is calibrated is not known.

@@ -49,6 +49,7 @@ class EmulatedPolhem {
     asks_ = nears_home_ = false;
   }
   void pressCalibration() { asks_ = true; }
+  void releaseCalibration() { asks_ = false; }  // which no firmware does: a damaged report may look so
   // The same where the handle is near its home position: it counts as if it had been exactly there before.
   void recalibrate() { asks_ = nears_home_ = true; }
   void press(bool pressed) { pressed_ = pressed; }
