@@ -97,8 +97,8 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
     : parameters_(checked(parameters)),
       algorithm_(&algorithm),
       device_(device),
-      windows_(windows),
-      tool_(tool),
+      windows_(&windows),
+      tool_(&tool),
       gate_(withinDevice(parameters.safety, device), parameters.rate_hz),
       window_clock_(nanoseconds(parameters.safety.stall_s)),
       passivity_(passivityFor(device, parameters), withinDevice(parameters.safety, device).force_limit_N,
@@ -114,8 +114,8 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
   algorithm_->reset(hip_W_);
   velocity_.reset(hip_W_);
   passivity_.reset(hip_W_);
-  tool_.back() = ToolPose{hip_W_, Vec3::Zero(), -1, 0};
-  tool_.publish();
+  tool_->back() = ToolPose{hip_W_, Vec3::Zero(), -1, 0};
+  tool_->publish();
 }
 
 ServoLoop::~ServoLoop() {
@@ -224,8 +224,9 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   if (due.elapsed_ticks > 0) device_.elapse(due.elapsed_ticks);
   const std::int64_t gap_ns = due.elapsed_ticks > 0 ? now_ns - last_now_ns_ : 0;
   last_now_ns_ = now_ns;
-  const std::int64_t confirmed_ns = windows_.confirmedAt_ns();  // before latest(): see window_exchange.hpp
-  const SampleWindow& window = windows_.latest();
+  ServoLink* const link = lookForLink();
+  const std::int64_t confirmed_ns = windows_->confirmedAt_ns();  // before latest(): see window_exchange.hpp
+  const SampleWindow& window = windows_->latest();
   const WindowClock::Reading age = window_clock_.read(now_ns, confirmed_ns, window.version, window.stamp_ns);
   faults |= age.faults;
 
@@ -254,9 +255,16 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
-  tool_.back() = ToolPose{hip_W_,          velocity_.value(), due.tick, now_ns,        last_.at_surface,
-                          last_.surface_W, out.normal_W,      held_W,   window.version};
-  tool_.publish();
+  const ToolPose pose{hip_W_,          velocity_.value(), due.tick, now_ns,        last_.at_surface,
+                      last_.surface_W, out.normal_W,      held_W,   window.version};
+  tool_->back() = pose;
+  tool_->publish();
+  if (link != nullptr) {
+    link->tool->back() = pose;
+    link->tool->publish();
+    links_->heard();
+  }
+  if (std::exchange(went_over_, false)) links_->done();
   ++ticks_run_;
 
   record.tick = due.tick;
@@ -280,6 +288,34 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   return window;
 }
 
+// In front of the surface of a contact; else where the tool is.
+Vec3 ServoLoop::freePlace(const SampleWindow& window) const noexcept {
+  if (!last_.in_contact || !window.usable()) return hip_W_;
+  return last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing());
+}
+
+// The link to another engine that has no window yet, if one is offered. Goes over to one that has.
+ServoLink* ServoLoop::lookForLink() noexcept {
+  ServoLink* const link = links_ != nullptr ? links_->offered() : nullptr;
+  if (link == nullptr || change_ != nullptr || !link->windows->latest().usable()) return link;
+  goOver(*link);
+  return nullptr;
+}
+
+// Nothing of the old windows is used any more. Their age means nothing for the new ones.
+void ServoLoop::goOver(ServoLink& link) noexcept {
+  const Vec3 free_W = freePlace(windows_->latest());
+  windows_ = link.windows;
+  tool_ = link.tool;
+  window_clock_ = WindowClock(nanoseconds(parameters_.safety.stall_s));
+  guard_.reset(link.doubtful);
+  gate_.setForceLimit(std::min(link.force_limit_N, most_force_N_));
+  algorithm_ = link.algorithm.get();
+  std::swap(given_algorithm_, link.algorithm);
+  algorithm_->resume(free_W, hip_W_);
+  went_over_ = true;
+}
+
 // Takes a change, if there is one. A new algorithm takes over a contact from a point in front of its surface.
 void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   if ((last_.at_surface && !last_.in_contact) || !window.usable()) return;
@@ -289,9 +325,7 @@ void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   limit_from_N_ = gate_.forceLimit();
   if (!change_->algorithm) return;
   guard_.reset(change_->doubtful);
-  Vec3 free_W = hip_W_;
-  if (last_.in_contact)
-    free_W = last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing());
+  const Vec3 free_W = freePlace(window);
   leaving_ = algorithm_;
   algorithm_ = change_->algorithm.get();
   std::swap(given_algorithm_, change_->algorithm);

@@ -25,6 +25,7 @@
 #include "servo/loop/live_ticks.hpp"
 #include "servo/loop/real_time.hpp"
 #include "servo/loop/servo_changes.hpp"
+#include "servo/loop/servo_links.hpp"
 #include "servo/loop/tick_recorder.hpp"
 #include "servo/loop/velocity.hpp"
 #include "servo/safety/passivity.hpp"
@@ -86,6 +87,8 @@ class ServoLoop {
   static constexpr double kFastest_m_per_s = 1000;
   void takeChangesFrom(ServoChanges& changes) noexcept { changes_ = &changes; }
   void tellTicksTo(LiveTicks& live) noexcept { live_ = &live; }
+  // Set before a run: where another engine's windows come from. A change that is under way is completed first.
+  void takeLinksFrom(ServoLinks& links) noexcept { links_ = &links; }
 
   // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each tick with its number
   // and time [ns], for an engine that publishes in step. It may allocate, lock and throw, and may be empty.
@@ -120,6 +123,9 @@ class ServoLoop {
   template <typename Clock>
   void runOnGrid(Clock& clock);
   void beginChange(const SampleWindow& window) noexcept;
+  [[nodiscard]] ServoLink* lookForLink() noexcept;
+  void goOver(ServoLink& link) noexcept;
+  [[nodiscard]] Vec3 freePlace(const SampleWindow& window) const noexcept;
   void tickAlgorithm(const TickInput& in, TickOutput& out) noexcept;
   void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
@@ -133,8 +139,8 @@ class ServoLoop {
   LoopParameters parameters_;
   Algorithm* algorithm_;
   Device& device_;
-  WindowExchange& windows_;
-  ToolPoseMailbox& tool_;
+  WindowExchange* windows_;
+  ToolPoseMailbox* tool_;
   SafetyGate gate_;
   WindowClock window_clock_;
   Passivity passivity_;
@@ -150,6 +156,8 @@ class ServoLoop {
   TickOutput last_;                   // the algorithm's last output
   ServoChanges* changes_ = nullptr;
   LiveTicks* live_ = nullptr;
+  ServoLinks* links_ = nullptr;
+  bool went_over_ = false;                      // to the link, in this tick
   ServoChange* change_ = nullptr;               // the change under way; null: none
   Algorithm* leaving_ = nullptr;                // the algorithm that it replaces; null: it replaces none
   std::unique_ptr<Algorithm> given_algorithm_;  // owns algorithm_, if that came with a change
