@@ -1,31 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
 // palpate-servo: the servo as a process of its own, for an engine in another one. Links neither Vulkan nor OpenVDB, so
 // no fault in graphics code can end it.
+//
+// --channel N: for the engine that started it, at the descriptor N; ends with it. --connect SOCKET: for the engines
+// that listen there, one after another, until SIGTERM or SIGINT.
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 
+#include <fcntl.h>
+
 #include "apps/console/message.hpp"
 #include "apps/servo_side/servo_host.hpp"
+#include "apps/servo_side/servo_keeper.hpp"
 #include "base/error.hpp"
+#include "version.hpp"
 
 namespace {
 
 constexpr int kUsage = 2, kUnexpected = 1;
 
+volatile std::sig_atomic_t stop_asked = 0;
+
+void askToStop(int) {
+  stop_asked = 1;
+}
+
+// A signal to the whole group is the engine's to answer: the force goes to zero when its channel says so, or is closed.
+void serveMaker(const char* number) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) static_cast<void>(std::signal(signal, SIG_IGN));
+  const int descriptor = std::atoi(number);
+  fcntl(descriptor, F_SETFD, FD_CLOEXEC);
+  palpate::ServoHost(false, palpate::programCommit()).serve(palpate::Channel(palpate::Descriptor(descriptor)));
+}
+
+void serveWhoeverListens(const char* socket) {
+  for (const int signal : {SIGINT, SIGTERM}) static_cast<void>(std::signal(signal, askToStop));
+  static_cast<void>(std::signal(SIGHUP, SIG_IGN));
+  palpate::keepServo({.socket = socket,
+                      .commit = palpate::programCommit(),
+                      .stopped = [] { return stop_asked != 0; },
+                      .tell = [](const std::string& words) { palpate::tellUser("palpate servo: " + words); }});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 3 || std::strcmp(argv[1], "--channel") != 0) {
-    palpate::tellUser("palpate-servo: an engine starts it; see 'palpate touch --service'");
+  const bool is_made = argc == 3 && std::strcmp(argv[1], "--channel") == 0;
+  const bool stays = argc == 3 && std::strcmp(argv[1], "--connect") == 0;
+  if (!is_made && !stays) {
+    palpate::tellUser("palpate-servo: an engine starts it, or 'palpate servo --connect SOCKET'");
     return kUsage;
   }
-  // A signal to the whole group is the engine's to answer: the force goes to zero when its channel says so, or is
-  // closed.
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) static_cast<void>(std::signal(signal, SIG_IGN));
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
   try {
-    palpate::runServoHost(palpate::Channel(palpate::Descriptor(std::atoi(argv[2]))));
+    is_made ? serveMaker(argv[2]) : serveWhoeverListens(argv[2]);
     return 0;
   } catch (const palpate::Error& error) {  // the engine has been told, or is not there
     return palpate::exitStatus(error.code());

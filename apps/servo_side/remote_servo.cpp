@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "apps/scene/scene_text.hpp"
 #include "apps/servo_side/attachments.hpp"
 #include "apps/servo_side/wire_settings.hpp"
@@ -57,6 +59,12 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
   const auto hello = channel_.expect<wire::HelloT>(kMakes_ms).first;
   if (hello.layout != kLinkLayout)
     refuse("the servo", "it knows another layout of the memory that both share", "build all programs from one version");
+  if (hello.commit != request.commit) {
+    refuse("the servo", fmt::format("it was built from {}, this program from {}", hello.commit, request.commit),
+           "build all programs from one version");
+  }
+  first_version_ = std::max<std::uint64_t>(1, hello.first_version);
+  stays_ = hello.stays;
   wire::MakeDeviceT make;
   make.scene = servosScene(request.scene);
   make.middle = wireOf(request.box.middle_W);

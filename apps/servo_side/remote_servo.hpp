@@ -34,6 +34,7 @@ class RemoteServo final : public ServoSide {
     const SampledPath* way;          // of a device that none holds; null: none
     std::size_t window_samples = 0;  // that a window has at most
     std::size_t recorded_reads = 0;  // of the device, to keep for recording(); 0: none
+    std::string commit = {};         // of this program, which must be the servo's
   };
   // Makes the device over there. Throws Error: as makeSceneDevice() does; kDevice, kBadInput as MessageChannel does.
   RemoteServo(Channel channel, const Request& request);
@@ -41,8 +42,11 @@ class RemoteServo final : public ServoSide {
   RemoteServo(const RemoteServo&) = delete;
   RemoteServo& operator=(const RemoteServo&) = delete;
 
-  // For the engine, before the loop is made.
+  // For the engine, before the loop is made: its memory, and the number of the first window there.
   [[nodiscard]] LinkMemory& memory() noexcept { return memory_; }
+  [[nodiscard]] std::uint64_t firstVersion() const noexcept { return first_version_; }
+  // It goes on when this one is let go, or its process ends: requestStop() then leaves it, and its result is empty.
+  [[nodiscard]] bool stays() const noexcept { return stays_; }
   struct PlacedScales {
     double scale = 1, force_scale = 1;  // as Placement has them
   };
@@ -86,6 +90,8 @@ class RemoteServo final : public ServoSide {
   ToolPoseMailbox tool_;
   std::atomic<std::uint64_t> given_{0};
   std::atomic<std::uint64_t> ended_{0};
+  std::uint64_t first_version_ = 1;
+  bool stays_ = false;
   std::atomic<bool> running_{false}, stop_{false};
   LoopResult result_;
   std::vector<std::pair<std::string, double>> figures_;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/servo_host.hpp"
 
+#include <chrono>
 #include <memory>
+#include <new>
 #include <optional>
+#include <thread>
 #include <utility>
 
 #include "apps/scene/scene_file.hpp"
@@ -23,29 +26,95 @@ namespace palpate {
 namespace {
 
 constexpr int kLook_ms = 5;  // how long a change may have ended before the engine hears of it
+constexpr std::uint64_t kVersionsOfAnEngine = std::uint64_t{1} << 40U;  // windows of 35 years
 
-class ServoHost {
+}  // namespace
+
+class ServoHost::Impl {
  public:
-  explicit ServoHost(Channel channel) : channel_(std::move(channel), "the engine") {}
+  Impl(bool stays, std::string commit) : stays_(stays), commit_(std::move(commit)) {}
+  ~Impl() { stopLoop(); }
 
-  void run() {
+  void serve(Channel channel, const std::function<bool()>& stopped) {
+    channel_.emplace(std::move(channel), "the engine");
+    ended_ = is_shared_ = false;
     wire::HelloT hello;
     hello.layout = kLinkLayout;
-    channel_.send(std::move(hello));
-    while (!ended_) {
-      std::optional<MessageChannel::Received> received = channel_.receive(-1);
-      if (!received) continue;
-      try {
-        take(*received);
-      } catch (const Error& error) {
-        channel_.send(refusalMessage(error));
-        throw;
-      }
+    hello.commit = commit_;
+    hello.first_version = engines_++ * kVersionsOfAnEngine + 1;
+    hello.stays = stays_;
+    try {
+      channel_->send(std::move(hello));
+      while (!ended_ && !stopped()) listen();
+    } catch (...) {
+      leaveEngine();
+      throw;
     }
+    leaveEngine();
   }
 
  private:
+  // A servo's ends of what it shares with one engine.
+  struct EngineEnd {
+    EngineEnd(Descriptor given, std::size_t window_samples)
+        : memory(std::move(given), window_samples),
+          windows(memory.windows(), memory.samples(), memory.capacity()),
+          tool(memory.tool()) {}
+    LinkMemory memory;
+    WindowExchange windows;
+    ToolPoseMailbox tool;
+  };
+
+  // Also looks for what ended without a message.
+  void listen() {
+    if (std::optional<MessageChannel::Received> received = channel_->receive(kLook_ms)) {
+      try {
+        take(*received);
+      } catch (const Error& error) {
+        channel_->send(refusalMessage(error));
+        throw;
+      } catch (const std::bad_alloc&) {
+        const Error error(Error::Code::kOutOfMemory, "the servo", "there is not enough memory for what was asked for",
+                          "end other programs, or make it smaller");
+        channel_->send(refusalMessage(error));
+        throw error;
+      }
+    }
+    if (!loop_ || !started_ || ended_) return;
+    takeLinked();
+    if (noteEnded()) {
+      wire::ChangeEndedT words;
+      words.number = changes_ended_;
+      channel_->send(words);
+    }
+    if (loop_->running()) return;
+    started_ = false;
+    tellEnd(loop_->wait());
+  }
+
+  // A servo that does not stay brings its force to zero and ends with its engine.
+  void leaveEngine() {
+    if (next_) {
+      links_->withdraw();
+      awaitLink([](ServoLinks::State state) { return state == ServoLinks::State::kNone; });
+    }
+    if (!stays_) stopLoop();
+    channel_->close();
+  }
+
+  void stopLoop() {
+    if (loop_ && started_) {
+      loop_->requestStop();
+      static_cast<void>(loop_->wait());  // the device has its zero
+    }
+    started_ = false;
+    loop_.reset();
+    next_.reset();
+    end_.reset();
+  }
+
   void take(MessageChannel::Received& received) {
+    if (is_shared_) return takeWhileRunning(received.body);
     if (const auto* const device = contentOf<wire::MakeDeviceT>(received.body)) {
       makeDevice(*device, std::move(received.attached));
     } else if (const auto* const mesh = contentOf<wire::MeshT>(received.body)) {
@@ -67,24 +136,48 @@ class ServoHost {
   }
 
   void makeDevice(const wire::MakeDeviceT& make, Descriptor way) {
-    if (device_) refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
-    readSceneText(make.scene, "the engine's scene", {}, scene_);
-    objects_ = makeSceneObjects(scene_.objects);
     const VolumeBox box{.middle_W = vectorOf(make.middle), .half_W = vectorOf(make.half)};
-    way_ = std::make_unique<SampledPath>(make.way_points > 0
-                                             ? wayOf(std::move(way), make.way_points, make.way_is_linear)
-                                             : SampledPath({0}, {box.middle_W}, SampledPath::Interpolation::kLinear));
-    SceneDevice made = makeSceneDevice(scene_, *way_, box);
-    wire::DeviceMadeT words = wireOf(*made.device);
-    if (made.placement) {
+    SampledPath path = make.way_points > 0 ? wayOf(std::move(way), make.way_points, make.way_is_linear)
+                                           : SampledPath({0}, {box.middle_W}, SampledPath::Interpolation::kLinear);
+    if (device_ && !stays_)
+      refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
+    if (!device_ || !isSame(make, path)) {
+      stopLoop();  // another scene: its device begins anew
+      device_.reset();
+      made_for_ = {make.scene, box, make.recorded_reads};
+      way_ = std::make_unique<SampledPath>(std::move(path));
+      makeDeviceFor(make, box);
+    }
+    wire::DeviceMadeT words = wireOf(*device_);
+    if (placement_) {
       words.is_placed = true;
-      words.place_scale = made.placement->scale;
-      words.force_scale = made.placement->force_scale;
+      words.place_scale = placement_->scale;
+      words.force_scale = placement_->force_scale;
     }
-    if (made.session) {
-      words.session_stiffness_N_per_m = made.session->stiffness_N_per_m;
-      words.session_damping_Ns_per_m = made.session->damping_Ns_per_m;
+    if (session_) {
+      words.session_stiffness_N_per_m = session_->stiffness_N_per_m;
+      words.session_damping_Ns_per_m = session_->damping_Ns_per_m;
     }
+    channel_->send(std::move(words));
+  }
+
+  // A device that a running loop has is kept for the same scene.
+  [[nodiscard]] bool isSame(const wire::MakeDeviceT& make, const SampledPath& path) const {
+    return make.scene == made_for_.scene && vectorOf(make.middle) == made_for_.box.middle_W &&
+           vectorOf(make.half) == made_for_.box.half_W && make.recorded_reads == made_for_.recorded_reads &&
+           path.times_s() == way_->times_s() && path.points_W() == way_->points_W() &&
+           path.interpolation() == way_->interpolation();
+  }
+
+  void makeDeviceFor(const wire::MakeDeviceT& make, const VolumeBox& box) {
+    scene_ = Scene{};
+    readSceneText(make.scene, "the engine's scene", {}, scene_);
+    if (stays_ && scene_.simulated_clock)
+      refuse("--clock simulated", "a servo that stays runs by the real clock", "leave it out");
+    objects_ = makeSceneObjects(scene_.objects);
+    SceneDevice made = makeSceneDevice(scene_, *way_, box);
+    placement_ = made.placement;
+    session_ = made.session;
     device_ = std::move(made.device);
     constexpr std::uint64_t kMostReads = std::uint64_t{1} << 32U;
     if (make.recorded_reads > kMostReads)
@@ -94,40 +187,78 @@ class ServoHost {
       recorder_ = recorder.get();
       device_ = std::move(recorder);
     }
-    channel_.send(std::move(words));
   }
 
   void takeMesh(const wire::MeshT& mesh, Descriptor memory) {
-    if (loop_)
+    if (loop_ && !stays_)
       refuse("the engine", "it sends a mesh where none may be", "start programs of the same version of Palpate");
     volume_.isosurface =
         std::make_shared<const MeshObject>(meshOf(std::move(memory), mesh.vertices, mesh.triangles), "isosurface");
   }
 
   void makeLoop(const wire::MakeLoopT& make, Descriptor memory) {
-    if (!device_ || loop_)
+    if (!device_ || (loop_ && !stays_) || next_)
       refuse("the engine", "it asks for a loop where none may be", "start programs of the same version of Palpate");
     volume_.scale = {.contrast = make.contrast, .voxel_m = make.voxel_m};
     volume_.objects = objects_.objects;
     const RigSettings settings = settingsOf(make.settings);
-    LoopParameters loop = loopParameters(scene_);
-    loop.ticks = make.ticks;
-    loop.record_ticks = make.record_ticks;
-    loop.safety.force_limit_N = settings.force_limit_N;
-    loop.instability.doubtful = make.doubtful;
-    memory_.emplace(std::move(memory), make.window_samples);
-    windows_.emplace(memory_->windows(), memory_->samples(), memory_->capacity());
-    tool_.emplace(memory_->tool());
-    algorithm_ = makeAlgorithm(settings, volume_);
-    loop_.emplace(loop, *algorithm_, *device_, *windows_, *tool_);
-    loop_->takeChangesFrom(changes_);
-    channel_.send(wire::LoopMadeT{});
+    auto end = std::make_unique<EngineEnd>(std::move(memory), make.window_samples);
+    std::unique_ptr<Algorithm> algorithm = makeAlgorithm(settings, volume_);
+    if (loop_ && loop_->running()) {
+      linkTo(std::move(end), std::move(algorithm), settings.force_limit_N, make.doubtful);
+    } else {
+      stopLoop();
+      LoopParameters loop = loopParameters(scene_);
+      loop.ticks = make.ticks;
+      loop.record_ticks = make.record_ticks;
+      loop.safety.force_limit_N = settings.force_limit_N;
+      loop.instability.doubtful = make.doubtful;
+      end_ = std::move(end);
+      algorithm_ = std::move(algorithm);
+      changes_.emplace();
+      links_.emplace();
+      loop_.emplace(loop, *algorithm_, *device_, end_->windows, end_->tool);
+      loop_->takeChangesFrom(*changes_);
+      loop_->takeLinksFrom(*links_);
+    }
+    changes_given_ = changes_ended_ = 0;
+    channel_->send(wire::LoopMadeT{});
+  }
+
+  // The running loop tells its pose to the new engine, and goes over to its windows when there is one.
+  void linkTo(std::unique_ptr<EngineEnd> end, std::unique_ptr<Algorithm> algorithm, double force_limit_N,
+              bool doubtful) {
+    next_ = std::move(end);
+    link_ = {.windows = &next_->windows,
+             .tool = &next_->tool,
+             .algorithm = std::move(algorithm),
+             .force_limit_N = force_limit_N,
+             .doubtful = doubtful};
+    links_->give(link_);
+    awaitLink([](ServoLinks::State state) { return state != ServoLinks::State::kGiven; });
+  }
+
+  // Some ticks; a loop that has ended answers nothing.
+  void awaitLink(const std::function<bool(ServoLinks::State)>& is_enough) {
+    while (loop_->running() && !is_enough(links_->state()) && links_->state() != ServoLinks::State::kDone)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    takeLinked();
+  }
+
+  // Once the loop has gone over nothing uses the former engine's memory.
+  void takeLinked() {
+    if (!next_) return;
+    if (links_->state() == ServoLinks::State::kDone) end_ = std::move(next_);
+    if (links_->state() != ServoLinks::State::kNone) return;
+    next_.reset();
+    link_ = {};
   }
 
   void start() {
     if (!loop_) refuse("the engine", "it starts what was not made", "start programs of the same version of Palpate");
-    tellEnd(scene_.simulated_clock ? runSimulated() : runReal());
-    ended_ = true;
+    if (scene_.simulated_clock) return tellEnd(runSimulated());
+    if (!started_) loop_->start();
+    started_ = is_shared_ = true;
   }
 
   // In step with the engine, whose work before each tick is done when it says so.
@@ -138,9 +269,9 @@ class ServoHost {
       step.tick = tick;
       step.time_ns = time_ns;
       step.ended_change = changes_ended_;
-      channel_.send(step);
+      channel_->send(step);
       for (bool go = false; !go;) {
-        std::optional<MessageChannel::Received> received = channel_.receive(-1);
+        std::optional<MessageChannel::Received> received = channel_->receive(-1);
         if (!received) continue;
         go = contentOf<wire::GoT>(received->body) != nullptr;
         if (!go) takeWhileRunning(received->body);
@@ -148,40 +279,21 @@ class ServoHost {
     });
   }
 
-  LoopResult runReal() {
-    loop_->start();
-    try {
-      while (loop_->running()) {
-        if (std::optional<MessageChannel::Received> received = channel_.receive(kLook_ms))
-          takeWhileRunning(received->body);
-        if (!noteEnded()) continue;
-        wire::ChangeEndedT words;
-        words.number = changes_ended_;
-        channel_.send(words);
-      }
-    } catch (...) {
-      loop_->requestStop();
-      static_cast<void>(loop_->wait());  // the device has its zero
-      throw;
-    }
-    return loop_->wait();
-  }
-
   void takeWhileRunning(wire::BodyUnion& body) {
-    if (contentOf<wire::StopT>(body) != nullptr) return loop_->requestStop();
+    if (contentOf<wire::StopT>(body) != nullptr) return stays_ ? tellEnd({}) : loop_->requestStop();
     auto* const change = contentOf<wire::ChangeT>(body);
     if (change == nullptr) refuseOrder(body);
     ServoChange made;
     if (change->settings) made.algorithm = makeAlgorithm(settingsOf(change->settings), volume_);
     if (change->force_limit_N > 0) made.force_limit_N = change->force_limit_N;
     made.doubtful = change->doubtful;
-    changes_given_ = changes_.give(std::move(made));
+    changes_given_ = changes_->give(std::move(made));
   }
 
   // Whether a change has ended since the last call. Both sides count changes alike, from 1 on.
   bool noteEnded() noexcept {
     const std::uint64_t before = changes_ended_;
-    while (changes_ended_ < changes_given_ && changes_.ended(changes_ended_ + 1)) ++changes_ended_;
+    while (changes_ended_ < changes_given_ && changes_->ended(changes_ended_ + 1)) ++changes_ended_;
     return changes_ended_ != before;
   }
 
@@ -206,30 +318,45 @@ class ServoHost {
       words.figures.back()->value = figure.value;
     }
     const SealedMemory memory = recordsMemory(records);
-    channel_.send(std::move(words), memory.descriptor());
+    channel_->send(std::move(words), memory.descriptor());
+    ended_ = true;
   }
 
-  MessageChannel channel_;
+  // What the device was made for.
+  struct MadeFor {
+    std::string scene;
+    VolumeBox box;
+    std::uint64_t recorded_reads = 0;
+  };
+
+  const bool stays_;
+  const std::string commit_;
+  std::optional<MessageChannel> channel_;  // to the present engine
+  std::uint64_t engines_ = 0;              // that it has spoken with
+  MadeFor made_for_;
   Scene scene_;
   SceneObjects objects_;
   std::unique_ptr<SampledPath> way_;  // leads the device
   std::unique_ptr<Device> device_;
+  std::optional<Placement> placement_;
+  std::optional<RecordedContact> session_;
   RecordingDevice* recorder_ = nullptr;  // device_, if the session is recorded
   RigVolume volume_;
-  std::optional<LinkMemory> memory_;
-  std::optional<WindowExchange> windows_;
-  std::optional<ToolPoseMailbox> tool_;
-  ServoChanges changes_;
+  std::unique_ptr<EngineEnd> end_, next_;  // that the loop reads; that it is to go over to
+  ServoLink link_;                         // to the next
+  std::optional<ServoLinks> links_;
+  std::optional<ServoChanges> changes_;
   std::uint64_t changes_given_ = 0, changes_ended_ = 0;
   std::unique_ptr<Algorithm> algorithm_;  // the first one
   std::optional<ServoLoop> loop_;         // uses what stands above
-  bool ended_ = false;
+  bool started_ = false, is_shared_ = false, ended_ = false;
 };
 
-}  // namespace
+ServoHost::ServoHost(bool stays, std::string commit) : impl_(std::make_unique<Impl>(stays, std::move(commit))) {}
+ServoHost::~ServoHost() = default;
 
-void runServoHost(Channel channel) {
-  ServoHost(std::move(channel)).run();
+void ServoHost::serve(Channel channel, const std::function<bool()>& stopped) {
+  impl_->serve(std::move(channel), stopped);
 }
 
 }  // namespace palpate

@@ -2,16 +2,36 @@
 // apps/servo_side/servo_host.hpp: the other side of a RemoteServo: makes device, algorithm and loop as an engine's
 // process says, and runs them. Links neither Vulkan nor OpenVDB.
 //
-// The servo's thread does what it does in one process (servo/loop); this thread talks with the engine. If the engine's
-// process is gone, the force goes to zero and the run ends.
+// The servo's thread does what it does in one process (servo/loop); the caller's thread talks with the engine. One that
+// does not stay brings the force to zero and ends its run when the engine is gone. One that stays keeps device and loop
+// alive: the windows grow stale, the force fades by the loop's own rules, and the next engine of the same scene leads
+// the running loop to its windows (servo/loop/servo_links.hpp). An engine of another scene gets a device and a loop
+// that begin anew. One thread.
 #pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
 
 #include "service/channel/channel.hpp"
 
 namespace palpate {
 
-// Until the run that the engine asks for has ended. Throws Error(kDevice) if the engine is gone before, and what its
-// messages make impossible, which the engine is told too.
-void runServoHost(Channel channel);
+class ServoHost {
+ public:
+  // `commit`: of this program, which must be the engine's.
+  ServoHost(bool stays, std::string commit);
+  ~ServoHost();  // the force goes to zero; the device is let go
+
+  // Until the run that this engine asks for has ended, the engine says that it leaves, or `stopped` says so, which is
+  // asked every some milliseconds. Throws Error: kDevice if the engine is gone before; what its messages make
+  // impossible, which the engine is told too.
+  void serve(
+      Channel channel, const std::function<bool()>& stopped = [] { return false; });
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace palpate

@@ -46,12 +46,14 @@ void TouchServo::makeThere(const Scene& scene, const TouchPlace& place, Engine& 
                                                     .box = place.box,
                                                     .way = hasPath(scene) ? &place.path : nullptr,
                                                     .window_samples = engine.windowCapacity(),
-                                                    .recorded_reads = scene.record.empty() ? 0 : mostReads(scene)});
+                                                    .recorded_reads = scene.record.empty() ? 0 : mostReads(scene),
+                                                    .commit = place.commit});
   LinkMemory& memory = remote_->memory();
   engine.shareWindows({.block = &memory.windows(),
                        .samples = memory.samples(),
                        .capacity = memory.capacity(),
-                       .bytes = memory.windowBytes()});
+                       .bytes = memory.windowBytes(),
+                       .first_version = remote_->firstVersion()});
   std::optional<Placement> placed;
   if (remote_->placed()) placed = {.scale = remote_->placed()->scale, .force_scale = remote_->placed()->force_scale};
   chooseContact(scene, place, placed, remote_->session());

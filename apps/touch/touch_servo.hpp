@@ -27,6 +27,7 @@ struct TouchPlace {
   VolumeBox box;
   double isovalue = 0;
   const Scene& asked;
+  const std::string& commit;  // of this program
 };
 
 class TouchServo {

@@ -56,7 +56,7 @@ TEST_F(Service, IsStartedByAnEngine) {
   for (const Words& words : {Words{}, Words{"--channel"}, Words{"--chanel", "3"}, Words{"--channel", "3", "4"}}) {
     const Outcome outcome = runPalpate({.arguments = words, .program = program.string(), .folder = folder()});
     EXPECT_EQ(outcome.status, 2);
-    EXPECT_THAT(outcome.err, HasSubstr("palpate touch --service"));
+    EXPECT_THAT(outcome.err, HasSubstr("palpate servo --connect SOCKET"));
   }
 }
 

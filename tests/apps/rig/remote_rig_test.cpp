@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rig whose servo is behind a channel, here in a thread of the same process: the same records, bit for bit, as with
 // the servo beside it, whatever changes meanwhile; and what becomes of it when either side is gone.
+#include <atomic>
+#include <chrono>
 #include <cstring>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -33,7 +36,7 @@ class Host {
     channel_ = std::move(ours);
     thread_ = std::thread([this, theirs = std::move(theirs)]() mutable {
       try {
-        runServoHost(std::move(theirs));
+        ServoHost(false, "").serve(std::move(theirs));
       } catch (const Error& error) {
         ended_with = error.what();
       }
@@ -80,8 +83,7 @@ class RemoteRig : public testing::Test {
     TouchRig rig(engine, *device, loopParameters(scene), rigVolume(), rigSettings(scene, phantom->isovalue()));
     return rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) { act(rig, tick); });
   }
-  LoopResult remote(const Act& act, std::size_t shift = 0) {
-    static_cast<void>(shift);
+  LoopResult remote(const Act& act) {
     Host host;
     RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
     Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
@@ -253,6 +255,133 @@ TEST_F(RemoteRig, LeavesNothingOpen) {
   const long before = openDescriptors();
   for (int i = 0; i < 3; ++i) once();
   EXPECT_EQ(openDescriptors(), before);
+}
+
+// A servo that stays, in a thread, for engines one after another.
+class StayingHost {
+ public:
+  StayingHost() : thread_([this] { run(); }) {}
+  ~StayingHost() {
+    stopped_ = true;
+    thread_.join();
+  }
+  StayingHost(const StayingHost&) = delete;
+  StayingHost& operator=(const StayingHost&) = delete;
+  Channel connect() {
+    auto [ours, theirs] = channelPair();
+    const std::lock_guard lock(mutex_);
+    next_ = std::move(theirs);
+    return std::move(ours);
+  }
+  std::vector<std::string> ended_with() {
+    const std::lock_guard lock(mutex_);
+    return ended_with_;
+  }
+
+ private:
+  void run() {
+    ServoHost host(true, "");
+    while (!stopped_) {
+      std::unique_lock lock(mutex_);
+      Channel channel = std::move(next_);
+      lock.unlock();
+      std::string why;
+      try {
+        if (channel.open()) host.serve(std::move(channel), [this] { return stopped_.load(); });
+      } catch (const Error& error) {
+        why = error.what();
+      }
+      lock.lock();
+      if (!why.empty()) ended_with_.push_back(why);
+      lock.unlock();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+  std::atomic<bool> stopped_{false};
+  std::mutex mutex_;
+  Channel next_;
+  std::vector<std::string> ended_with_;
+  std::thread thread_;
+};
+
+class StayingServo : public RemoteRig {
+ protected:
+  StayingServo() {
+    scene.simulated_clock = false;
+    const SampledPath cubic = *path;
+    path.emplace(cubic.times_s(), cubic.points_W(), SampledPath::Interpolation::kLinear);  // no deeper than 1 mm
+    loop = loopParameters(scene);
+    loop.ticks = 0;
+    loop.record_ticks = 1;
+  }
+
+  // An engine for some time; the poses that it sees. `leaves`: it says so in the end; else its channel is closed, as
+  // the system closes that of a process that was killed.
+  std::vector<ToolPose> engineFor(Channel channel, const std::string& commit = "", double stiffness = 0) {
+    std::vector<ToolPose> poses;
+    RemoteServo servo(std::move(channel),
+                      {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32, .commit = commit});
+    EXPECT_TRUE(servo.stays());
+    Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
+    LinkMemory& memory = servo.memory();
+    engine.shareWindows({.block = &memory.windows(),
+                         .samples = memory.samples(),
+                         .capacity = memory.capacity(),
+                         .bytes = memory.windowBytes(),
+                         .first_version = servo.firstVersion()});
+    first_versions.push_back(servo.firstVersion());
+    RigSettings settings = rigSettings(scene, phantom->isovalue());
+    if (stiffness > 0) settings.parameters.stiffness_N_per_m = stiffness;
+    TouchRig rig(engine, servo, loop, rigVolume(), settings);
+    std::atomic<std::int64_t> ticks_in_contact{0};
+    rig.start([&](const ToolPose& pose, std::int64_t) {
+      if (poses.empty() || poses.back().tick != pose.tick) poses.push_back(pose);
+      if (pose.window_version >= servo.firstVersion() && pose.force_W.norm() > 0.1) ++ticks_in_contact;
+    });
+    for (int waited = 0; ticks_in_contact < 200 && waited < 5000; ++waited)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_GE(ticks_in_contact, 200);
+    rig.requestStop();
+    const LoopResult result = rig.wait();
+    EXPECT_TRUE(result.records.empty());
+    return poses;
+  }
+
+  LoopParameters loop;
+  std::vector<std::uint64_t> first_versions;
+};
+
+// The same device and loop, one engine after another: ticks go on, windows are never taken for older ones, and each
+// engine's settings hold.
+TEST_F(StayingServo, GoesFromEngineToEngine) {
+  StayingHost host;
+  const std::vector<ToolPose> first = engineFor(host.connect());
+  const std::vector<ToolPose> second = engineFor(host.connect(), "", 900);
+  EXPECT_TRUE(host.ended_with().empty());
+  ASSERT_EQ(first_versions.size(), 2U);
+  EXPECT_GT(first_versions[1], first.back().window_version);
+  EXPECT_LT(first.back().window_version, first_versions[1]);
+  EXPECT_GT(second.front().tick, first.back().tick);
+  EXPECT_GE(second.back().window_version, first_versions[1]);
+  // 1 mm below the surface, the stiffness that each asked for.
+  EXPECT_NEAR(first.back().force_W.norm(), stiffnessOf(scene) * 1e-3, 0.1);
+  EXPECT_NEAR(second.back().force_W.norm(), 0.9, 0.15);
+}
+
+// An engine of another scene gets a device that begins anew.
+TEST_F(StayingServo, BeginsAnewWithAnotherScene) {
+  StayingHost host;
+  const std::vector<ToolPose> first = engineFor(host.connect());
+  scene.encoder_resolution_m = 1e-4;
+  const std::vector<ToolPose> second = engineFor(host.connect());
+  EXPECT_LT(second.front().tick, first.back().tick);
+}
+
+TEST_F(StayingServo, RefusesAnEngineOfAnotherVersionAndStays) {
+  StayingHost host;
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(engineFor(host.connect(), "another")); }),
+              HasSubstr("it was built from"));
+  static_cast<void>(engineFor(host.connect()));
 }
 
 }  // namespace remote_rig_test

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/servo_side/servo_keeper.hpp: a servo for the engines that listen at a socket, one after another.
+//
+// It looks for an engine every tenth of a second, and keeps device and loop alive while there is none (servo_host.hpp).
+// One thread. Blocks until `stopped`, which is asked every some milliseconds.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace palpate {
+
+struct ServoKeeping {
+  std::string socket;  // that engines listen at
+  std::string commit;  // of this program
+  std::function<bool()> stopped;
+  std::function<void(const std::string&)> tell;  // that an engine came, went, or was refused; the same words once
+};
+
+// Throws nothing but what ServoHost's end throws: an engine that is not there, not this user's, or asks for what cannot
+// be is told, and looked for again.
+void keepServo(const ServoKeeping& keeping);
+
+}  // namespace palpate
