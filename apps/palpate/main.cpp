@@ -11,6 +11,7 @@ void addVerbs(CLI::App& app) {
        {palpate::addTouchVerb,   palpate::addEditVerb,      palpate::addRecoverVerb,   palpate::addInfoVerb,
         palpate::addConvertVerb, palpate::addGradientVerb,  palpate::addFilterVerb,    palpate::addRenderVerb,
         palpate::addCheckVerb,   palpate::addBenchVerb,     palpate::addStabilityVerb, palpate::addDevicesVerb,
+        palpate::addServeVerb,   palpate::addServoVerb,     palpate::addCtlVerb,       palpate::addTopVerb,
         palpate::addDoctorVerb,  palpate::addCalibrateVerb, palpate::addPlanVerb,      palpate::addTuneVerb,
         palpate::addSceneVerb,   palpate::addFaultsVerb,    palpate::addHelpVerb,      palpate::addCompletionVerb}) {
     add(app);

@@ -41,7 +41,7 @@ void serveWhoeverListens(const char* socket) {
   palpate::keepServo({.socket = socket,
                       .commit = palpate::programCommit(),
                       .stopped = [] { return stop_asked != 0; },
-                      .tell = [](const std::string& words) { palpate::tellUser("palpate servo: " + words); }});
+                      .tell = [](const std::string& words) { palpate::tellUser("servo: " + words); }});
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <memory>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,23 +16,49 @@ namespace palpate {
 RigEdits::RigEdits(EditSession& session, const Vec3i& size, const Lattice& lattice, Tell tell)
     : session_(session), size_(size), lattice_(lattice), tell_(std::move(tell)) {}
 
-bool RigEdits::edit(std::vector<EditCommand> commands) {
-  return ask([this, commands = std::move(commands)](std::int64_t now_ns) {
+// Of a request: whoever asked is told what became of it, also where nobody gets to it any more.
+class RigEdits::Promise {
+ public:
+  explicit Promise(Done done) : done_(std::move(done)) {}
+  ~Promise() {
+    keep(Error(Error::Code::kCancelled, "the edit", "it was not made: editing has ended", "start the program again"));
+  }
+  Promise(const Promise&) = delete;
+  Promise& operator=(const Promise&) = delete;
+  [[nodiscard]] bool isAwaited() const noexcept { return static_cast<bool>(done_); }
+  void keep(const std::optional<Error>& refusal) {
+    if (done_) std::exchange(done_, {})(refusal);
+  }
+
+ private:
+  Done done_;
+};
+
+bool RigEdits::askFor(const char* what, Done done, std::function<void(std::int64_t now_ns)> change) {
+  const auto promise = std::make_shared<Promise>(std::move(done));
+  const bool asked = ask([this, what, promise, change = std::move(change)](std::int64_t now_ns) {
     last_stroke_ns_.reset();
-    tryTo("an edit", [&] { session_.edit(commands, now_ns); });
+    if (tryTo(
+            what, [&] { change(now_ns); }, promise.get()))
+      promise->keep({});
+  });
+  if (!asked) {
+    promise->keep(Error(Error::Code::kOutOfMemory, what, "too many edits wait, or editing has ended",
+                        "ask again when others are done"));
+  }
+  return asked;
+}
+
+bool RigEdits::edit(std::vector<EditCommand> commands, Done done) {
+  return askFor("an edit", std::move(done), [this, commands = std::move(commands)](std::int64_t now_ns) {
+    static_cast<void>(session_.edit(commands, now_ns));
   });
 }
-bool RigEdits::undo() {
-  return ask([this](std::int64_t now_ns) {
-    last_stroke_ns_.reset();
-    tryTo("undo", [&] { session_.undo(now_ns); });
-  });
+bool RigEdits::undo(Done done) {
+  return askFor("undo", std::move(done), [this](std::int64_t now_ns) { static_cast<void>(session_.undo(now_ns)); });
 }
-bool RigEdits::redo() {
-  return ask([this](std::int64_t now_ns) {
-    last_stroke_ns_.reset();
-    tryTo("redo", [&] { session_.redo(now_ns); });
-  });
+bool RigEdits::redo(Done done) {
+  return askFor("redo", std::move(done), [this](std::int64_t now_ns) { static_cast<void>(session_.redo(now_ns)); });
 }
 bool RigEdits::goTo(std::size_t done) {
   return ask([this, done](std::int64_t now_ns) { stepTowards(done, now_ns); });
@@ -132,22 +159,26 @@ void RigEdits::noteState() {
 // An edit for which there is no memory, or which is invalid at its place, is refused, and editing goes on: there may be
 // memory for the next edit. Any other error is the device's, and ends the editing.
 template <typename Change>
-bool RigEdits::tryTo(const char* what, const Change& change) {
+bool RigEdits::tryTo(const char* what, const Change& change, Promise* promise) {
   if (!isEditing()) return false;
   try {
     change();
     return true;
   } catch (const Error& error) {
     const bool refused = error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kBadInput;
+    std::deque<Request> given_up;  // told outside the lock
     {
       const std::lock_guard lock(mutex_);
       if (refused) {
         ++state_.refused;
       } else {
         state_.editing = false;
-        waiting_.clear();
+        given_up.swap(waiting_);
       }
     }
+    const bool is_awaited = promise != nullptr && promise->isAwaited();
+    if (promise != nullptr) promise->keep(error);
+    if (refused && is_awaited) return false;
     if (refused) {
       tell(fmt::format("{} was refused: {}", what, error.what()), Again::kCountOnly);
     } else {

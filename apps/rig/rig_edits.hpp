@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/lattice.hpp"
 #include "engine/session/edit_session.hpp"
 #include "engine/session/tool_brush.hpp"
@@ -33,9 +34,12 @@ class RigEdits {
   RigEdits(EditSession& session, const Vec3i& size, const Lattice& lattice, Tell tell);
 
   // Requests, from any thread. Return false and do nothing if kMostWaiting requests wait already or editing has ended.
-  bool edit(std::vector<EditCommand> commands);
-  bool undo();
-  bool redo();
+  // `done`, if given, is told once what became of the request, by the engine's thread, or by whoever ends the editing:
+  // empty, it was made; else why not. Such a refusal is not told to the user, too.
+  using Done = std::function<void(const std::optional<Error>& refusal)>;
+  bool edit(std::vector<EditCommand> commands, Done done = {});
+  bool undo(Done done = {});
+  bool redo(Done done = {});
   // Undoes or redoes, one at each look, until so many of State::steps are in effect. Drops the brush first.
   bool goTo(std::size_t done);
   // A brush for the tool. Its strokes are undone as one, unless it was away from the surface for kStrokePause_s.
@@ -85,8 +89,10 @@ class RigEdits {
   void stepTowards(std::size_t done, std::int64_t now_ns);
   [[nodiscard]] bool isEditing() const;
   void noteState();  // the caller holds the lock
+  class Promise;
+  bool askFor(const char* what, Done done, std::function<void(std::int64_t now_ns)> change);
   template <typename Change>
-  bool tryTo(const char* what, const Change& change);
+  bool tryTo(const char* what, const Change& change, Promise* promise = nullptr);
 
   // A refusal or failure: its first message, and how often it happened.
   struct Trouble {

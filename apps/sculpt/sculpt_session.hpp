@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "apps/console/progress.hpp"
+#include "apps/live/live_volume.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/rig/live_view.hpp"
 #include "apps/rig/touch_rig.hpp"
@@ -87,9 +88,9 @@ class SculptSession {
   // had it before must have been closed. Before start(), with such a device, nothing may be called that speaks of
   // ticks, settings or state.
   void start();
-  [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
+  [[nodiscard]] bool keepsJournal() const noexcept { return live_->keepsJournal(); }
   // Before start(): whether every edit made until now is on the disk, in the journal. Waits for the disk.
-  [[nodiscard]] bool journalHolds();
+  [[nodiscard]] bool journalHolds() { return live_->journalHolds(); }
 
   LiveView& view() noexcept { return view_; }
   // Where the pointer leads the tool, unless a person holds the device.
@@ -105,9 +106,9 @@ class SculptSession {
   void release();
   // That the tool holds now, as text (toolBrushText()); empty: none.
   [[nodiscard]] const std::string& heldBrush() const noexcept { return held_; }
-  void undo() { static_cast<void>(edits_->undo()); }
-  void redo() { static_cast<void>(edits_->redo()); }
-  void goTo(std::size_t done) { static_cast<void>(edits_->goTo(done)); }  // RigEdits::goTo()
+  void undo() { static_cast<void>(live_->edits().undo()); }
+  void redo() { static_cast<void>(live_->edits().redo()); }
+  void goTo(std::size_t done) { static_cast<void>(live_->edits().goTo(done)); }  // RigEdits::goTo()
 
   // TouchRig::change() and settings(). A refusal of an isovalue comes as a message.
   void change(const RigSettings& settings) { rig_->change(settings); }
@@ -123,25 +124,15 @@ class SculptSession {
   void close();
 
  private:
-  class SavePromise;
   void tell(const std::string& text);
   void makeRig();
-  void makeAgain(const Journal& journal, Progress& progress);
-  [[nodiscard]] bool isUnsaved(const RigEdits::State& state) const;
 
   // Before all that may still have something to tell when it ends.
-  std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
-  std::atomic<std::size_t> errands_{0};
   std::mutex mutex_;  // guards the next
   std::vector<std::string> messages_;
   SculptVolume facts_;
   std::vector<PlanLine> plan_;
-  std::optional<Volume> volume_;  // the saver's from the constructor to close()
-  double first_isovalue_ = 0;
-  std::filesystem::path journal_;
-  std::unique_ptr<Engine> engine_;
-  std::unique_ptr<EditSession> session_;
-  std::unique_ptr<RigEdits> edits_;
+  std::optional<LiveVolume> live_;
   LiveView view_;
   Scene scene_;
   std::shared_ptr<Device> held_device_;  // not yet placed

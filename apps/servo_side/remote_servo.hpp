@@ -29,12 +29,14 @@ namespace palpate {
 class RemoteServo final : public ServoSide {
  public:
   struct Request {
-    const Scene& scene;              // whose device it makes
-    VolumeBox box;                   // of the volume, for a device that a person holds
-    const SampledPath* way;          // of a device that none holds; null: none
-    std::size_t window_samples = 0;  // that a window has at most
-    std::size_t recorded_reads = 0;  // of the device, to keep for recording(); 0: none
-    std::string commit = {};         // of this program, which must be the servo's
+    const Scene& scene;                   // whose device it makes
+    VolumeBox box;                        // of the volume, for a device that a person holds
+    const SampledPath* way;               // of a device that none holds; null: none
+    std::size_t window_samples = 0;       // that a window has at most
+    std::size_t recorded_reads = 0;       // of the device, to keep for recording(); 0: none
+    std::string commit = {};              // of this program, which must be the servo's
+    const wire::HelloT* hello = nullptr;  // the servo's first message, if it was read already
+    int patience_ms = 120'000;            // while the servo makes a device, or a mesh's search tree
   };
   // Makes the device over there. Throws Error: as makeSceneDevice() does; kDevice, kBadInput as MessageChannel does.
   RemoteServo(Channel channel, const Request& request);
@@ -83,6 +85,7 @@ class RemoteServo final : public ServoSide {
   void listen();
 
   MessageChannel channel_;
+  const int patience_ms_;
   std::unique_ptr<Proxy> device_;
   std::optional<PlacedScales> placed_;
   std::optional<RecordedContact> session_;

@@ -15,9 +15,9 @@ namespace command_line_test {
 using testing::HasSubstr;
 using testing::Not;
 
-const Words kVerbs = {"touch",     "edit",   "recover", "info",  "convert",   "gradient", "filter",
-                      "render",    "sculpt", "check",   "bench", "stability", "devices",  "doctor",
-                      "calibrate", "plan",   "tune",    "scene", "faults",    "help",     "completion"};
+const Words kVerbs = {"touch",     "edit", "recover", "info",   "convert", "gradient", "filter",    "serve",   "servo",
+                      "ctl",       "top",  "render",  "sculpt", "check",   "bench",    "stability", "devices", "doctor",
+                      "calibrate", "plan", "tune",    "scene",  "faults",  "help",     "completion"};
 const std::vector<Words> kVerbsBelow = {
     {"check", "gradient"}, {"check", "filters"}, {"check", "edits"}, {"check", "all"},     {"bench", "servo"},
     {"bench", "loop"},     {"bench", "edit"},    {"bench", "load"},  {"bench", "filters"}, {"bench", "gradient"}};

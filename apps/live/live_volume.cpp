@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/live/live_volume.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/convert/convert_job.hpp"
+#include "apps/load/load_and_tell.hpp"
+#include "apps/mesh/mesh_writer.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "engine/edit/brush_profile.hpp"
+#include "engine/field/statistics.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/journal/acknowledged_file.hpp"
+#include "engine/journal/replay.hpp"
+#include "engine/journal/volume_identity.hpp"
+
+namespace palpate {
+namespace {
+
+// The file, and the folder if nothing else is in it.
+void removeJournal(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  std::filesystem::remove(journalFile(folder), ignored);
+  std::filesystem::remove(folder, ignored);
+}
+
+}  // namespace
+
+LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tell tell)
+    : name_(request.volume), work_(request.work), tell_(std::move(tell)), journal_(request.journal) {
+  progress.stage("loading " + request.volume);
+  volume_ = loadAndTell(request.volume, progress);
+  if (const std::string& remark = volume_->facts().remark; !remark.empty()) tell_(remark);
+  checkTouchable(*volume_);
+  std::optional<Journal> journal;
+  if (!request.recovers.empty()) {
+    journal = readJournal(request.recovers);
+    checkStart(*journal, *volume_, request.volume);
+    first_isovalue_ = journal->header.profile.isovalue;
+  } else {
+    first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));
+  }
+  checkIsovalue(*volume_, first_isovalue_);
+  const auto stopIfInterrupted = [this] { throwIfInterrupted(work_); };
+  stopIfInterrupted();
+  progress.stage("computing on Vulkan");
+  engine_ = std::make_unique<Engine>(*volume_, request.plan, first_isovalue_, request.gpu, request.gpu_memory_bytes,
+                                     passProgress(progress, stopIfInterrupted));
+  const BrushProfile profile = journal ? journal->header.profile : brushProfile(*volume_, first_isovalue_);
+  session_ = std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes);
+  edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
+  if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
+  volume_->keepIsovalue(first_isovalue_);
+  session_->keepSaved(*volume_, {}, 0);
+  if (journal) makeAgain(*journal, progress);
+  if (journal && !journalHolds()) {
+    tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
+  }
+}
+
+// As edits of this session, so that its journal holds them too.
+void LiveVolume::makeAgain(const Journal& journal, Progress& progress) {
+  progress.stage("making the edits again");
+  const std::vector<std::vector<EditCommand>> edits = lastingEdits(journal);
+  for (std::size_t i = 0; i < edits.size(); ++i) {
+    throwIfInterrupted(work_);
+    progress.fraction(static_cast<double>(i) / static_cast<double>(edits.size()));
+    static_cast<void>(session_->edit(edits[i], 0));
+  }
+}
+
+LiveVolume::~LiveVolume() {
+  try {
+    close();
+  } catch (const std::exception&) {  // nobody is left who could be told
+  }
+}
+
+std::string LiveVolume::journalFailure() const {
+  const JournalWriter* const journal = session_->journal();
+  return journal != nullptr && journal->failed() ? journal->failure() : "";
+}
+
+// Of a file that was asked for: it is told what became of it, also where nobody gets to it any more.
+class LiveVolume::SavePromise {
+ public:
+  SavePromise(LiveVolume& live, std::string file, std::function<void(const Saved&)> done)
+      : live_(live), file_(std::move(file)), done_(std::move(done)) {
+    ++live_.errands_;
+  }
+  ~SavePromise() {
+    if (!kept_) done_({false, file_ + " was not written: editing has ended"});
+    --live_.errands_;
+  }
+  SavePromise(const SavePromise&) = delete;
+  SavePromise& operator=(const SavePromise&) = delete;
+  void keep(const Saved& outcome) {
+    done_(outcome);
+    kept_ = true;
+  }
+
+ private:
+  LiveVolume& live_;
+  const std::string file_;
+  const std::function<void(const Saved&)> done_;
+  bool kept_ = false;
+};
+
+void LiveVolume::save(const std::string& file, double isovalue, std::function<void(const Saved&)> done) {
+  ConvertRequest request{.in = name_, .out = file};
+  if (isMeshFileName(file)) request.isovalue = isovalue;
+  checkOutput(request);
+  const std::uint64_t content = edits_->state().content_version;
+  const bool is_volume = isVolumeFileName(file);
+  const auto promise = std::make_shared<SavePromise>(*this, request.out, std::move(done));
+  static_cast<void>(edits_->errand([this, promise, request, content, is_volume](const Volume& volume, std::uint64_t) {
+    try {
+      Progress silent(nullptr);
+      AtomicFile target(request.out);
+      const ConvertResult result = writeOutput(volume, request, work_, target, silent);
+      target.commit();
+      if (is_volume) saved_version_ = std::max(saved_version_.load(), content);
+      promise->keep({true, convertWords(request, result)});
+    } catch (const std::exception& error) {
+      promise->keep({false, fmt::format("{} was not written: {}", request.out, error.what())});
+    }
+  }));
+}
+
+bool LiveVolume::isUnsaved() const {
+  return edits_->state().content_version > saved_version_.load();
+}
+
+void LiveVolume::close(bool keep_journal) {
+  if (std::exchange(closed_, true) || !session_) return;
+  edits_->doWaiting(0);  // a file that was asked for last
+  session_->close();
+  const bool unsaved = isUnsaved();
+  if (!journal_.empty() && !unsaved && !keep_journal) removeJournal(journal_);
+  const JournalWriter* journal = session_->journal();
+  if (unsaved && journal != nullptr && !journal->failure().empty()) {
+    throw Error(Error::Code::kIo, journal_.string(), "edits are lost that no file holds: " + journal->failure(),
+                "'palpate recover' brings back those before");
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/live/live_volume.hpp: a volume that is edited while it is touched and seen: loaded, on the engine, with an
+// editing session, its journal, and files that are written beside the edits.
+//
+// A window and a service are built on it. It has no thread: whoever runs a rig with edits() lends it the rig's
+// (apps/rig/touch_rig.hpp). Threads: one makes and closes it; save(), isUnsaved() and errands() by any between; `tell`
+// is called by the engine's thread and the saver's.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/console/progress.hpp"
+#include "apps/rig/rig_edits.hpp"
+#include "engine/field/volume.hpp"
+#include "engine/journal/journal_reader.hpp"
+#include "engine/plan/plan.hpp"
+#include "engine/service/engine.hpp"
+#include "engine/session/edit_session.hpp"
+
+namespace palpate {
+
+struct LiveVolumeRequest {
+  std::string volume = {};               // as loadVolume takes it
+  std::optional<double> isovalue = {};   // empty: as `palpate touch` chooses it [density]
+  std::string gpu = {};                  // part of the Vulkan device's name; empty: the best one
+  std::uint64_t gpu_memory_bytes = 0;    // limit for densities and samples; 0: the device's
+  Plan plan = {};                        // which allows edits
+  std::filesystem::path journal = {};    // folder for the journal; empty: none
+  std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
+  std::size_t undo_bytes = 256U << 20U;  // memory for undo
+  std::string work = {};                 // names the verb in messages: "palpate sculpt"
+};
+
+class LiveVolume {
+ public:
+  using Tell = std::function<void(const std::string&)>;
+  // Throws Error as loadVolume, Engine and EditSession do, as readJournal and checkStart do, and kCancelled on Ctrl-C.
+  // Edits that are made again can be undone, and are in this session's journal too.
+  LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tell tell);
+  ~LiveVolume();  // as close(); drops failures
+  LiveVolume(const LiveVolume&) = delete;
+  LiveVolume& operator=(const LiveVolume&) = delete;
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] double firstIsovalue() const noexcept { return first_isovalue_; }
+  // As loaded. Before edits are made only: afterwards it is the saver's.
+  [[nodiscard]] const Volume& volume() const noexcept { return *volume_; }
+  [[nodiscard]] Engine& engine() noexcept { return *engine_; }
+  [[nodiscard]] const Engine& engine() const noexcept { return *engine_; }
+  [[nodiscard]] EditSession& session() noexcept { return *session_; }
+  [[nodiscard]] RigEdits& edits() noexcept { return *edits_; }
+  [[nodiscard]] const RigEdits& edits() const noexcept { return *edits_; }
+
+  [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
+  // Whether every edit made until now is on the disk, in the journal. Waits for the disk. Engine's thread.
+  [[nodiscard]] bool journalHolds() { return session_->flushJournal(); }
+  [[nodiscard]] std::string journalFailure() const;
+
+  // Writes the volume, or its isosurface as a mesh, as the suffix says, with every edit made until now, in the
+  // background. `done` gets what became of it, once, whatever happens. Throws Error(kBadInput) as checkOutput() does
+  // (apps/convert).
+  struct Saved {
+    bool written = false;
+    std::string words;
+  };
+  void save(const std::string& file, double isovalue, std::function<void(const Saved&)> done);
+  [[nodiscard]] std::size_t errands() const noexcept { return errands_.load(); }  // saves that are under way
+  [[nodiscard]] bool isUnsaved() const;                                           // the newest file lacks an edit
+
+  // When no rig runs any more: does the requests that wait, finishes what save() began, and ends the journal. Deletes
+  // the journal if nothing is unsaved and `keep_journal` is not set. Throws Error(kIo) if neither a file nor the
+  // journal holds every edit.
+  void close(bool keep_journal = false);
+
+ private:
+  class SavePromise;
+  void makeAgain(const Journal& journal, Progress& progress);
+
+  const std::string name_, work_;
+  const Tell tell_;
+  // Before all that may still have something to tell when it ends.
+  std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
+  std::atomic<std::size_t> errands_{0};
+  std::filesystem::path journal_;
+  std::optional<Volume> volume_;  // the saver's from the constructor to close()
+  double first_isovalue_ = 0;
+  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<EditSession> session_;
+  std::unique_ptr<RigEdits> edits_;
+  bool closed_ = false;
+};
+
+}  // namespace palpate

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/serve/client_desk.hpp: the socket of a service: who connects is a servo or a client, and clients ask for things.
+//
+// What clients ask for is done in the order in which it comes, and each gets the answers to its own questions
+// (service/messages). A client that breaks the rules, does not read its answers, asks for more than kMostOpen things at
+// once or says nothing for kSilence_s at first is dropped with a word; nobody waits for it. Memory per client is
+// bounded. A servo that connects is handed to the engine.
+// One thread calls run(); post() and wake() by any.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <list>
+#include <mutex>
+#include <string>
+
+#include "apps/serve/served_volume.hpp"
+#include "service/channel/channel.hpp"
+#include "service/messages/message.hpp"
+
+namespace palpate {
+
+class ClientDesk {
+ public:
+  static constexpr std::size_t kMostClients = 32;
+  static constexpr std::size_t kMostOpen = 64;  // questions of one client that are not answered
+  static constexpr double kSilence_s = 5;       // until the first word [s]
+  using Tell = std::function<void(const std::string&)>;
+
+  // Listens at `socket` from now on. Throws Error as Listener does.
+  ClientDesk(const std::string& socket, ServedVolume& served, Tell tell);
+  ~ClientDesk();
+  ClientDesk(const ClientDesk&) = delete;
+  ClientDesk& operator=(const ClientDesk&) = delete;
+
+  // One round: takes in what has come, sends answers that are ready; waits for `most_ms` at most if there is nothing
+  // [ms]. False: a client asked the service to end.
+  [[nodiscard]] bool round(int most_ms);
+  // Sends what is ready, once more; for the end.
+  void flush();
+  [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
+
+ private:
+  struct Client {
+    std::uint64_t number = 0;
+    Channel channel;
+    std::int64_t since_ns = 0;
+    bool has_spoken = false;
+    std::size_t open = 0;
+  };
+  using Make = std::function<wire::AnswerT()>;
+  struct Ready {
+    std::uint64_t client = 0;
+    Make make;  // in the desk's thread, where it may take long
+  };
+  using Answer = std::function<void(const std::optional<Error>& refusal, const std::string& text)>;
+
+  void accept();
+  // False: it is to be dropped, for `why`; empty: it has left.
+  [[nodiscard]] bool listenTo(Client& client, std::string& why);
+  void greet(Client& client, const wire::HelloT& hello);
+  void take(Client& client, const wire::AskT& ask);
+  void answer(std::uint64_t client, Make make);
+  [[nodiscard]] Answer answerTo(Client& client, const wire::AskT& ask);
+  void askFor(const wire::AskT& ask, const Answer& done, Client& client);
+  void askForStatus(const wire::AskT& ask, Client& client);
+  void askForEdit(const wire::AskT& ask, const Answer& done);
+  void askForPicture(const wire::AskT& ask, const Client& client);
+  void sendReady();
+  void wake() const noexcept;
+
+  ServedVolume& served_;
+  const Tell tell_;
+  Listener listener_;
+  Descriptor waker_;  // eventfd, written when an answer is ready
+  std::list<Client> clients_;
+  std::uint64_t count_ = 0;  // of clients so far
+  bool leaves_ = false;
+  std::mutex mutex_;  // guards the next
+  std::deque<Ready> ready_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/serve_job.hpp"
+
+#include <csignal>
+#include <filesystem>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
+#include "apps/serve/client_desk.hpp"
+#include "apps/serve/live_setting.hpp"
+#include "apps/serve/served_volume.hpp"
+#include "apps/serve/service_place.hpp"
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr int kLook_ms = 50;  // how long a signal may go unseen
+
+volatile std::sig_atomic_t reload_asked = 0;
+
+void askToReload(int) {
+  reload_asked = 1;
+}
+
+void tell(const std::string& words) {
+  tellUser("serve: " + words);
+}
+
+void reload(const ServeRequest& request, ServedVolume& served) {
+  try {
+    std::vector<std::string> others;
+    Scene wanted = request.read_again();
+    Scene started = request.scene;
+    // What the program chose is no wish of the file's.
+    const Scene next = withLiveSettings(served.scene(), wanted, others);
+    std::vector<std::string> ignored;
+    static_cast<void>(withLiveSettings(started, wanted, ignored));
+    served.change(next);
+    tell("the scene's settings were read again");
+    std::erase_if(ignored, [](const std::string& key) { return isLiveKey(key); });
+    if (!ignored.empty()) tell(fmt::format("these take effect with the next start: {}", fmt::join(ignored, ", ")));
+  } catch (const Error& error) {
+    tell(fmt::format("the settings stay as they are: {}", error.what()));
+  }
+}
+
+std::filesystem::path journalOf(const ServeRequest& request) {
+  return request.scene.journal.empty() ? usualServiceJournal(request.socket)
+                                       : std::filesystem::path(request.scene.journal);
+}
+
+}  // namespace
+
+void serveScene(const ServeRequest& request, Progress& progress) {
+  makeSocketFolder(request.socket);
+  ServedVolume served({.scene = request.scene, .journal = journalOf(request), .commit = request.commit}, progress,
+                      tell);
+  ClientDesk desk(request.socket, served, tell);
+  const KeptWork kept;
+  tellWhatIsKept("edits are in the journal");
+  static_cast<void>(std::signal(SIGHUP, askToReload));
+  served.start();
+  progress.done();
+  tell(fmt::format("{} is served at {}", request.scene.volume, request.socket));
+  while (!interrupted() && !served.failed() && desk.round(kLook_ms)) {
+    if (reload_asked == 0) continue;
+    reload_asked = 0;
+    reload(request, served);
+  }
+  if (!served.failed() && !request.scene.save.empty())
+    served.save(request.scene.save, [](const LiveVolume::Saved& saved) { tell(saved.words); });
+  served.close();
+  desk.flush();
+  tell("ended");
+}
+
+}  // namespace palpate

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/serve/service_client.hpp: asks a service and waits for its answer, for `palpate ctl` and `palpate top`. One
+// thread; blocks.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "service/messages/message_channel.hpp"
+
+namespace palpate {
+
+struct ServiceAnswer {
+  std::string text;
+  std::vector<std::pair<std::string, double>> figures;
+};
+
+class ServiceClient {
+ public:
+  // Throws Error as connectTo() does.
+  explicit ServiceClient(const std::string& socket);
+
+  // Throws Error: what the service refuses; kDevice if it ends or does not answer within `most_ms` [ms]; kBadInput as
+  // MessageChannel does; kCancelled on Ctrl-C, when the service may still do what was asked.
+  [[nodiscard]] ServiceAnswer ask(wire::Verb verb, std::vector<std::string> words = {}, int most_ms = 60'000);
+
+ private:
+  MessageChannel channel_;
+  std::uint64_t asked_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/service_place.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/error.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path absoluteIn(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && *value == '/' ? fs::path(value) : fs::path();
+}
+
+}  // namespace
+
+std::string usualSocket() {
+  const fs::path runtime = absoluteIn("XDG_RUNTIME_DIR");
+  const fs::path folder = runtime.empty() ? fs::path(fmt::format("/tmp/palpate-{}", geteuid())) : runtime / "palpate";
+  return (folder / "service.sock").string();
+}
+
+void makeSocketFolder(const std::string& socket) {
+  const fs::path folder = fs::absolute(socket).parent_path();
+  std::error_code failed;
+  fs::create_directories(folder.parent_path(), failed);
+  if (mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST)
+    throw Error(Error::Code::kIo, folder.string(), fmt::format("it cannot be made ({})", std::strerror(errno)),
+                "name another socket with --socket");
+  struct stat facts {};
+  const bool is_known = lstat(folder.c_str(), &facts) == 0;
+  // In a folder that all may write to, somebody else may have been first.
+  if (socket == usualSocket() && (!is_known || !S_ISDIR(facts.st_mode) || facts.st_uid != geteuid()))
+    throw Error(Error::Code::kIo, folder.string(), "it is not this user's folder", "name another socket with --socket");
+}
+
+std::filesystem::path usualServiceJournal(const std::string& socket) {
+  fs::path state = absoluteIn("XDG_STATE_HOME");
+  if (state.empty() && !absoluteIn("HOME").empty()) state = absoluteIn("HOME") / ".local/state";
+  if (state.empty()) return {};
+  std::string name = fs::absolute(socket).lexically_normal().string();
+  std::ranges::replace(name, '/', '_');
+  return state / "palpate/services" / name;
+}
+
+}  // namespace palpate
