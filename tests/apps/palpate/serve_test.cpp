@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate serve`, `servo`, `ctl` and `top`: processes that come and go.
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+#include "engine/files/volume_file.hpp"
+#include "service_processes.hpp"
+
+namespace palpate {
+namespace serve_test {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kSphere = "phantom:sphere?size=32";
+
+class Serve : public ServiceTest {
+ protected:
+  // A hand that is pressed 1 mm into the sphere, and stays there.
+  void writePress() const {
+    write("press.csv",
+          "time_s,x_m,y_m,z_m\n0,0.0155,0.0155,0.035\n0.3,0.0155,0.0155,0.0243\n100,0.0155,0.0155,0.0243\n");
+  }
+  [[nodiscard]] double densityAt(const std::string& name, const Vec3& place_W) const {
+    const Volume volume = loadVolume(file(name).string());
+    return volume.density(place_W).value_or(-1e9);
+  }
+};
+
+TEST_F(Serve, EditsAndIsAsked) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm", "add:radius=2mm:at=28,4,4mm"}));
+  EXPECT_EQ(status()["edits"], 1);  // both together
+  expectSuccess(ctl({"save", "two.vdb"}));
+  EXPECT_GT(densityAt("two.vdb", Vec3(4, 4, 4) * 1e-3), 0);
+  EXPECT_GT(densityAt("two.vdb", Vec3(28, 4, 4) * 1e-3), 0);
+  expectSuccess(ctl({"undo"}));
+  expectSuccess(ctl({"save", "none.nrrd"}));
+  EXPECT_LE(densityAt("none.nrrd", Vec3(4, 4, 4) * 1e-3), 0);
+  EXPECT_LE(densityAt("none.nrrd", Vec3(28, 4, 4) * 1e-3), 0);
+  expectSuccess(ctl({"redo"}));
+  const Outcome exported = ctl({"export", "sphere.stl"});
+  expectSuccess(exported);
+  EXPECT_THAT(exported.out, HasSubstr("triangles"));
+  expectSuccess(ctl({"render", "now.png", "--width", "64", "--height", "48"}));
+  EXPECT_EQ(contentsOf(file("now.png")).substr(1, 3), "PNG");
+  EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 5"));
+  EXPECT_THAT(ctl({"set", "servo.n", "9"}).out, HasSubstr("servo.n = 9"));
+  EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 9"));
+  EXPECT_THAT(run({"top", "--count", "2", "--every", "0.05"}).out, HasSubstr("undo/redo"));
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(engine.hasEnded());
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("palpate: serve: ended"));
+}
+
+TEST_F(Serve, RefusesWithWords) {
+  const auto refused = [this](const Words& words, const std::string& input, const std::string& why, int status = 2) {
+    expectRefusal(ctl(words), input, why, status);
+  };
+  refused({"status"}, "service.sock", "no service listens there", 3);
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  refused({"undo"}, "undo", "there is no edit to undo");
+  refused({"edit", "melt:radius=1mm"}, "melt", "");
+  refused({"edit", "undo"}, "undo", "it is not an edit of one place");
+  refused({"edit", "remove:radius=1mm"}, "remove:radius=1mm", "");
+  refused({"edit", "remove:radius=900mm:at=1,1,1mm"}, "radius", "");
+  refused({"set", "servo.rate_hz", "500"}, "servo.rate_hz", "it cannot change while the scene is served");
+  refused({"set", "servo.stifness_N_per_m", "500"}, "servo.stifness_N_per_m", "no setting of a scene has this key");
+  refused({"set", "servo.n", "much"}, "servo.n", "");
+  refused({"set", "servo.algorithm", "god-object"}, "god-object", "would not follow the edits");
+  refused({"save", "a.xyz"}, "a.xyz", "");
+  refused({"save", "none/a.vdb"}, "a.vdb", "", 4);
+  refused({"render", "a.jpg"}, "a.jpg", "pictures are written as PNG");
+  refused({"render", "a.png", "--width", "5"}, "the picture", "16 to 4096 pixels");
+  EXPECT_EQ(status()["edits"], 0);
+  // A second engine at the same place.
+  const Outcome second = run({"serve", kSphere});
+  EXPECT_EQ(second.status, 4);
+  EXPECT_THAT(second.err, HasSubstr("somebody listens there already"));
+}
+
+TEST_F(Serve, RefusesScenesThatCannotBeServed) {
+  const auto refused = [this](const Words& more, const std::string& why) {
+    const Outcome outcome = run(Words{"serve", kSphere} + more);
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(why));
+  };
+  refused({"--clock", "simulated"}, "a service runs by the real clock");
+  refused({"--device", "recorded", "--recording", "a.rec"}, "a service plays no recording back");
+  refused({"--edit", "remove:radius=1mm"}, "a service edits what its clients ask for");
+  refused({"--algorithm", "god-object"}, "which would not follow the edits");
+}
+
+// Killed in the middle of its work: what was answered comes back, and the servo, which lived on, takes up its contact.
+TEST_F(Serve, AKilledEngineComesBackWithItsEdits) {
+  writePress();
+  serve({kSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  join();
+  ASSERT_TRUE(awaitServo());
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  const double tick = status()["tick"];
+  engine.end(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(servo.hasEnded());
+  serve({kSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["servo"] == 1 && now["force_N"] > 0.3; }))
+      << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  EXPECT_GT(status()["tick"], tick);  // the very same loop
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_GT(densityAt("back.vdb", Vec3(4, 4, 4) * 1e-3), 0);
+  expectSuccess(ctl({"undo"}));  // the edit can be undone by the next engine too
+  EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("the force fades"));
+}
+
+// The servo is killed: the engine goes on, a new servo joins. A second one is turned away.
+TEST_F(Serve, ServosComeAndGo) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  join();
+  ASSERT_TRUE(awaitServo());
+  RunningProgram second(PALPATE_PROGRAM, {"servo"}, folder(), "second.log");
+  const auto isTurnedAway = [this] { return contentsOf(file("serve.log")).find("turned away") != std::string::npos; };
+  for (int look = 0; look < 200 && !isTurnedAway(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(isTurnedAway());
+  EXPECT_EQ(status()["servos"], 1);
+  servo.end(SIGKILL);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servos"] >= 2 && now["windows"] > 0; }));  // the second
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  EXPECT_EQ(WEXITSTATUS(second.end(SIGTERM)), 0);  // in good order
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; }));
+  expectSuccess(ctl({"undo"}));
+}
+
+// Stopped and let go on, as by a debugger or a driver that hangs: no servo is lost, and no edit.
+TEST_F(Serve, AStoppedEngineGoesOn) {
+  writePress();
+  serve({kSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; }));
+  engine.send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  engine.send(SIGCONT);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; }));
+  EXPECT_EQ(status()["servos"], 1);
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+}
+
+// A signal ends it in good order: the file that the scene names is written, and nothing is left in the journal.
+TEST_F(Serve, SavesWhenItIsToldToEnd) {
+  serve({kSphere, "--save", "end.vdb"});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  engine.send(SIGTERM);
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_GT(densityAt("end.vdb", Vec3(4, 4, 4) * 1e-3), 0);
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["undoable"], 0);
+}
+
+// Without one the edits stay in the journal, and come back with the next start.
+TEST_F(Serve, KeepsWhatNoFileHolds) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["undoable"], 1);
+}
+
+TEST_F(Serve, ReadsItsSceneAgain) {
+  const auto scene = [&](int n, int rate) {
+    write("s.toml", "volume = \"phantom:sphere?size=32\"\n[servo]\nn = " + std::to_string(n) +
+                        "\nrate_hz = " + std::to_string(rate) + "\n");
+  };
+  scene(7, 1000);
+  serve({"s.toml"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 7"));
+  scene(11, 500);
+  engine.send(SIGHUP);
+  std::string now;
+  for (int look = 0; look < 100 && now.find("= 11") == std::string::npos; ++look) {
+    now = ctl({"get", "servo.n"}).out;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_THAT(now, HasSubstr("servo.n = 11"));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("these take effect with the next start: servo.rate_hz"));
+  write("s.toml", "volume = 3 =");
+  engine.send(SIGHUP);
+  for (int look = 0; look < 100 && contentsOf(file("serve.log")).find("stay as they are") == std::string::npos; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the settings stay as they are: "));
+  EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 11"));
+}
+
+// Whatever clients send, or do not, the service goes on for the others. Its socket is the user's alone.
+TEST_F(Serve, IsNotHeldUpByBadClients) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  const std::string socket = (file("run") / "palpate/service.sock").string();
+  struct stat facts {};
+  ASSERT_EQ(lstat(socket.c_str(), &facts), 0);
+  EXPECT_EQ(facts.st_mode & 0777, 0600U);
+  ASSERT_EQ(lstat(std::filesystem::path(socket).parent_path().c_str(), &facts), 0);
+  EXPECT_EQ(facts.st_mode & 0777, 0700U);
+  const auto connected = [&] {
+    const int client = ::socket(AF_UNIX, SOCK_SEQPACKET, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    socket.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(connect(client, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    return client;
+  };
+  const int silent = connected();
+  for (const std::string& bytes : {std::string("hello"), std::string(60'000, '\0'), std::string(20, '\xff')}) {
+    const int client = connected();
+    EXPECT_GT(send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL), 0);
+    char byte = 0;
+    EXPECT_EQ(recv(client, &byte, 1, 0), 0);  // it is let go
+    close(client);
+  }
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("is dropped: "));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("it sent what is no message of Palpate"));
+  // More than there is room for: those that are too many are turned away, and room comes back.
+  std::vector<int> many;
+  for (int i = 0; i < 40; ++i) many.push_back(connected());
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("is turned away: 32 are here"));
+  for (const int client : many) close(client);
+  close(silent);
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["clients"], 1);
+}
+
+}  // namespace serve_test
+}  // namespace palpate
