@@ -40,7 +40,7 @@ std::string alongPath(const std::string& program) {
   for (std::string_view rest = path != nullptr ? path : "/usr/local/bin:/usr/bin:/bin"; !rest.empty();) {
     const std::string_view folder = rest.substr(0, rest.find(':'));
     rest.remove_prefix(std::min(rest.size(), folder.size() + 1));
-    const std::string candidate = fmt::format("{}/{}", folder.empty() ? "." : folder, program);
+    std::string candidate = fmt::format("{}/{}", folder.empty() ? "." : folder, program);
     if (isProgram(candidate)) return candidate;
   }
   return program;
