@@ -21,10 +21,17 @@ namespace {
 
 constexpr int kLook_ms = 50;  // how long a signal may go unseen
 
-volatile std::sig_atomic_t reload_asked = 0;
+volatile std::sig_atomic_t reload_asked = 0, stop_asked = 0;
 
 void askToReload(int) {
   reload_asked = 1;
+}
+
+// The work that is left, as a file to be saved, is not given up for the first signal. Another one ends the process:
+// edits are in the journal.
+void askToStop(int number) {
+  if (stop_asked != 0) static_cast<void>(std::signal(number, SIG_DFL));
+  stop_asked = 1;
 }
 
 void tell(const std::string& words) {
@@ -61,13 +68,12 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   ServedVolume served({.scene = request.scene, .journal = journalOf(request), .commit = request.commit}, progress,
                       tell);
   ClientDesk desk(request.socket, served, tell);
-  const KeptWork kept;
-  tellWhatIsKept("edits are in the journal");
+  for (const int number : {SIGTERM, SIGINT}) static_cast<void>(std::signal(number, askToStop));
   static_cast<void>(std::signal(SIGHUP, askToReload));
   served.start();
   progress.done();
   tell(fmt::format("{} is served at {}", request.scene.volume, request.socket));
-  while (!interrupted() && !served.failed() && desk.round(kLook_ms)) {
+  while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
     if (reload_asked == 0) continue;
     reload_asked = 0;
     reload(request, served);

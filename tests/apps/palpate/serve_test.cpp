@@ -18,10 +18,7 @@ constexpr const char* kSphere = "phantom:sphere?size=32";
 class Serve : public ServiceTest {
  protected:
   // A hand that is pressed 1 mm into the sphere, and stays there.
-  void writePress() const {
-    write("press.csv",
-          "time_s,x_m,y_m,z_m\n0,0.0155,0.0155,0.035\n0.3,0.0155,0.0155,0.0243\n100,0.0155,0.0155,0.0243\n");
-  }
+  void writePress() const { write("press.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.014\n0.3,0,0,0.0102\n"); }
   [[nodiscard]] double densityAt(const std::string& name, const Vec3& place_W) const {
     const Volume volume = loadVolume(file(name).string());
     return volume.density(place_W).value_or(-1e9);
@@ -31,15 +28,15 @@ class Serve : public ServiceTest {
 TEST_F(Serve, EditsAndIsAsked) {
   serve({kSphere});
   ASSERT_TRUE(awaitService());
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm", "add:radius=2mm:at=28,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm", "add:radius=2mm:at=12,-12,-12mm"}));
   EXPECT_EQ(status()["edits"], 1);  // both together
   expectSuccess(ctl({"save", "two.vdb"}));
-  EXPECT_GT(densityAt("two.vdb", Vec3(4, 4, 4) * 1e-3), 0);
-  EXPECT_GT(densityAt("two.vdb", Vec3(28, 4, 4) * 1e-3), 0);
+  EXPECT_GT(densityAt("two.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
+  EXPECT_GT(densityAt("two.vdb", Vec3(12, -12, -12) * 1e-3), 0);
   expectSuccess(ctl({"undo"}));
   expectSuccess(ctl({"save", "none.nrrd"}));
-  EXPECT_LE(densityAt("none.nrrd", Vec3(4, 4, 4) * 1e-3), 0);
-  EXPECT_LE(densityAt("none.nrrd", Vec3(28, 4, 4) * 1e-3), 0);
+  EXPECT_LE(densityAt("none.nrrd", Vec3(-12, -12, -12) * 1e-3), 0);
+  EXPECT_LE(densityAt("none.nrrd", Vec3(12, -12, -12) * 1e-3), 0);
   expectSuccess(ctl({"redo"}));
   const Outcome exported = ctl({"export", "sphere.stl"});
   expectSuccess(exported);
@@ -103,7 +100,7 @@ TEST_F(Serve, AKilledEngineComesBackWithItsEdits) {
   join();
   ASSERT_TRUE(awaitServo());
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   const double tick = status()["tick"];
   engine.end(SIGKILL);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -113,7 +110,7 @@ TEST_F(Serve, AKilledEngineComesBackWithItsEdits) {
       << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
   EXPECT_GT(status()["tick"], tick);  // the very same loop
   expectSuccess(ctl({"save", "back.vdb"}));
-  EXPECT_GT(densityAt("back.vdb", Vec3(4, 4, 4) * 1e-3), 0);
+  EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
   expectSuccess(ctl({"undo"}));  // the edit can be undone by the next engine too
   EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("the force fades"));
 }
@@ -131,7 +128,7 @@ TEST_F(Serve, ServosComeAndGo) {
   EXPECT_EQ(status()["servos"], 1);
   servo.end(SIGKILL);
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servos"] >= 2 && now["windows"] > 0; }));  // the second
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   EXPECT_EQ(WEXITSTATUS(second.end(SIGTERM)), 0);  // in good order
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; }));
   expectSuccess(ctl({"undo"}));
@@ -148,18 +145,18 @@ TEST_F(Serve, AStoppedEngineGoesOn) {
   engine.send(SIGCONT);
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; }));
   EXPECT_EQ(status()["servos"], 1);
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
 }
 
 // A signal ends it in good order: the file that the scene names is written, and nothing is left in the journal.
 TEST_F(Serve, SavesWhenItIsToldToEnd) {
   serve({kSphere, "--save", "end.vdb"});
   ASSERT_TRUE(awaitService());
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   engine.send(SIGTERM);
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_GT(densityAt("end.vdb", Vec3(4, 4, 4) * 1e-3), 0);
+  EXPECT_GT(densityAt("end.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
   serve({kSphere});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 0);
@@ -169,7 +166,7 @@ TEST_F(Serve, SavesWhenItIsToldToEnd) {
 TEST_F(Serve, KeepsWhatNoFileHolds) {
   serve({kSphere});
   ASSERT_TRUE(awaitService());
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   expectSuccess(ctl({"stop"}));
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -230,7 +227,7 @@ TEST_F(Serve, IsNotHeldUpByBadClients) {
     EXPECT_EQ(recv(client, &byte, 1, 0), 0);  // it is let go
     close(client);
   }
-  expectSuccess(ctl({"edit", "add:radius=2mm:at=4,4,4mm"}));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("is dropped: "));
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("it sent what is no message of Palpate"));
   // More than there is room for: those that are too many are turned away, and room comes back.
