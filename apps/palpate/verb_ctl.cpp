@@ -100,6 +100,12 @@ void addCtlVerb(CLI::App& app) {
   CLI::App* const status = ctl->add_subcommand("status", "print how the service is, as JSON");
   status->callback(
       [arguments] { printText(figuresOf(ServiceClient(arguments->socket).ask(wire::Verb::Status)).dump(2) + "\n"); });
+  CLI::App* const metrics =
+      ctl->add_subcommand("metrics", "print the same as Prometheus' text, for its textfile collector");
+  metrics->callback([arguments] {
+    for (const auto& [key, value] : ServiceClient(arguments->socket).ask(wire::Verb::Status).figures)
+      printText(fmt::format("# TYPE palpate_{0} gauge\npalpate_{0} {1}\n", key, value));
+  });
   addAsking(*ctl, arguments, "stop", "end the service in good order", wire::Verb::Leave);
 }
 

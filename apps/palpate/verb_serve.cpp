@@ -3,7 +3,9 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -12,6 +14,7 @@
 #include "apps/scene/flag_errors.hpp"
 #include "apps/serve/serve_job.hpp"
 #include "apps/serve/service_place.hpp"
+#include "apps/supervise/supervisor.hpp"
 #include "base/error.hpp"
 #include "scene_arguments.hpp"
 #include "verbs.hpp"
@@ -20,11 +23,42 @@
 namespace palpate {
 namespace {
 
+constexpr const char* kSupervise = "--supervise";
+
+std::filesystem::path thisProgram() {
+  std::error_code unknown;
+  return std::filesystem::read_symlink("/proc/self/exe", unknown);
+}
+
+std::filesystem::path servoProgram() {
+  return thisProgram().parent_path() / "palpate-servo";
+}
+
+// The words of this command, without the one that asked for a supervisor.
+std::vector<std::string> ownCommand() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');)
+    if (words.empty() || word != kSupervise) words.push_back(word);
+  words.at(0) = thisProgram().string();
+  return words;
+}
+
+// Engine and servo as children, which are started again when one dies. The engine's good end is that of both.
+void superviseBoth(const std::string& socket) {
+  const SupervisionEnd end =
+      supervise({{.name = "engine", .argv = ownCommand(), .essential = true},
+                 {.name = "servo", .argv = {servoProgram().string(), "--connect", socket}, .essential = false}});
+  if (end.killed > 0) {
+    throw Error(Error::Code::kDevice, "palpate serve --supervise",
+                fmt::format("{} of its processes did not end in time and were killed", end.killed),
+                "see their last messages; edits are in the journal");
+  }
+}
+
 // Does not return but with an error.
 [[noreturn]] void becomeServo(std::string socket) {
-  std::error_code unknown;
-  const std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path() / "palpate-servo";
+  const std::filesystem::path program = servoProgram();
   std::string name = program.string(), flag = "--connect";
   char* const words[] = {name.data(), flag.data(), socket.data(), nullptr};
   execv(program.c_str(), words);
@@ -43,7 +77,13 @@ void addServeVerb(CLI::App& app) {
   auto arguments = std::make_shared<SceneArguments>(*verb);
   auto socket = std::make_shared<std::string>(usualSocket());
   verb->add_option("--socket", *socket, "where servo and clients connect")->capture_default_str()->check(notEmpty);
-  verb->callback([arguments, socket] {
+  auto supervised = std::make_shared<bool>(false);
+  verb->add_flag(kSupervise, *supervised, "start a servo, too, and start either again when it dies");
+  verb->callback([arguments, socket, supervised] {
+    if (*supervised) {
+      static_cast<void>(arguments->scene());  // its errors are told once
+      return superviseBoth(*socket);
+    }
     Progress progress;
     try {
       serveScene({.scene = arguments->scene(),

@@ -14,6 +14,7 @@
 #include "apps/serve/live_setting.hpp"
 #include "apps/serve/served_volume.hpp"
 #include "apps/serve/service_place.hpp"
+#include "apps/supervise/service_notify.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -72,12 +73,17 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   static_cast<void>(std::signal(SIGHUP, askToReload));
   served.start();
   progress.done();
+  const ServiceNotify notify;
+  static_cast<void>(notify.ready());
   tell(fmt::format("{} is served at {}", request.scene.volume, request.socket));
   while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
     if (reload_asked == 0) continue;
     reload_asked = 0;
+    static_cast<void>(notify.reloading());
     reload(request, served);
+    static_cast<void>(notify.ready());
   }
+  static_cast<void>(notify.stopping());
   if (!served.failed() && !request.scene.save.empty())
     served.save(request.scene.save, [](const LiveVolume::Saved& saved) { tell(saved.words); });
   served.close();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate serve`, `servo`, `ctl` and `top`: processes that come and go.
+#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -173,6 +174,30 @@ TEST_F(Serve, KeepsWhatNoFileHolds) {
   serve({kSphere});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 1);
+}
+
+// One command for both: whoever dies is started again, and the service ends with its engine's good end.
+TEST_F(Serve, IsSupervised) {
+  writePress();
+  serve({kSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1", "--supervise"});
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  const auto killChild = [&](const std::string& name) {
+    const Outcome outcome = runPalpate({.arguments = {"-c", fmt::format("pkill -KILL -P {} -x {}", engine.id(), name)},
+                                        .program = "/bin/sh",
+                                        .folder = folder()});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  };
+  killChild("palpate-servo");
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servos"] >= 2 && now["force_N"] > 0.3; }));
+  killChild("palpate");
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["undoable"] == 1 && now["force_N"] > 0.3; }))
+      << contentsOf(file("serve.log"));
+  EXPECT_THAT(ctl({"metrics"}).out, HasSubstr("palpate_servo 1\n"));
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(engine.hasEnded()) << contentsOf(file("serve.log"));
 }
 
 TEST_F(Serve, ReadsItsSceneAgain) {
