@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: Apache-2.0
+// Engine, servo and clients of a service die or stand still at random moments while an emulated arm presses on the
+// volume, again and again. Each time all that live must find each other again; in the end every edit that was answered
+// must be in the volume; and the arm must never have taken a force beyond the limit or the slew.
+//
+// PALPATE_SERVICE_KILLS: how often (6; `./dev kills` takes 100). PALPATE_KILLS_SEED: of the moments.
+// PALPATE_KILLS_RESULTS: the folder that gets what was counted.
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <random>
+
+#include "apps/bench/bench_result.hpp"
+#include "base/atomic_file.hpp"
+#include "base/quantile.hpp"
+#include "emulated_program.hpp"
+#include "engine/files/volume_file.hpp"
+#include "service_processes.hpp"
+
+namespace palpate {
+namespace hid_service_kills_test {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr double kForceLimit_N = 0.5, kSlew_N_per_s = 200;
+// What half a milliampere of each motor makes (tests/hid/hid_faults_test.cpp).
+constexpr double kRounding_N = 0.02;
+
+constexpr const char* kIntroduction =
+    "An engine (`palpate serve`), a servo with an emulated arm by hidapi (`palpate servo`) and clients (`palpate ctl`) "
+    "are "
+    "killed (`kill -9`) or stopped for up to 0.7 s (SIGSTOP) at random moments, while the arm presses on a sphere and "
+    "clients edit. After each, the time is measured from the moment at which what died was started again until the "
+    "engine answers and the servo reads its windows. In the end every edit that was answered must be in the volume; "
+    "the forces are those that the arms took, by their own account. A lost Vulkan device is not among the events.";
+
+int numberFrom(const char* name, int usual) {
+  const char* const text = std::getenv(name);
+  return text != nullptr ? std::atoi(text) : usual;
+}
+
+struct Event {
+  std::string what;
+  double back_s = 0;  // until all that live have found each other
+};
+
+class HidServiceKills : public EmulatedHid {
+ protected:
+  HidServiceKills() : random_(static_cast<unsigned>(numberFrom("PALPATE_KILLS_SEED", 1))) {
+    for (const auto& [name, folder] : {std::pair("XDG_RUNTIME_DIR", "run"), std::pair("XDG_STATE_HOME", "state"),
+                                       std::pair("XDG_CONFIG_HOME", "config")}) {
+      std::filesystem::create_directories(file(folder));
+      setenv(name, file(folder).c_str(), 1);
+    }
+  }
+  ~HidServiceKills() override {
+    for (const char* name : {"XDG_RUNTIME_DIR", "XDG_STATE_HOME", "XDG_CONFIG_HOME"}) unsetenv(name);
+  }
+
+  int pick(int low, int high) { return std::uniform_int_distribution<int>(low, high)(random_); }
+  void pause(int least_ms, int most_ms) { std::this_thread::sleep_for(milliseconds(pick(least_ms, most_ms))); }
+
+  void serve() {
+    engine_ = RunningProgram(PALPATE_PROGRAM,
+                             {"serve",
+                              "phantom:sphere?size=64",
+                              "--device",
+                              "polhem-v1",
+                              "--place-at",
+                              "0,0,0",
+                              "--place-scale",
+                              "1",
+                              "--calibrated",
+                              "--current-limit",
+                              "3",
+                              "--stiffness",
+                              "400",
+                              "--slew-limit",
+                              std::to_string(kSlew_N_per_s),
+                              "--force-limit",
+                              std::to_string(kForceLimit_N),
+                              "--stale",
+                              "0.1",
+                              "--fade",
+                              "0.05"},
+                             folder(), "serve.log");
+  }
+  void join() {
+    const std::string servo = (std::filesystem::path(PALPATE_PROGRAM).parent_path() / "palpate-servo").string();
+    ++servos_;
+    arm_ = RunningProgram(PALPATE_EMULATE_HID,
+                          {"--paced", "--path", "way.csv", "--at", "0,0,0", "--log", "arm" + std::to_string(servos_),
+                           "--", servo, "--connect", (file("run") / "palpate/service.sock").string()},
+                          folder(), "servo.log");
+  }
+  void signalServo(int signal) const {
+    static_cast<void>(
+        runPalpate({.arguments = {"-c", fmt::format("pkill -{} -P {} -x palpate-servo", signal, arm_.id())},
+                    .program = "/bin/sh",
+                    .folder = folder()}));
+  }
+  [[nodiscard]] nlohmann::json status() const {
+    const Outcome outcome = run({"ctl", "status"});
+    return outcome.status == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
+  }
+  // Until the engine answers and the servo reads windows of this engine. Empty: never.
+  [[nodiscard]] std::optional<double> awaitAll() const {
+    const auto begin = Clock::now();
+    while (Clock::now() - begin < std::chrono::seconds(60)) {
+      const nlohmann::json now = status();
+      if (now.is_object() && now["servo"] == 1 && now["windows"] > 0 && now["pose_age_ms"] < 100)
+        return std::chrono::duration<double>(Clock::now() - begin).count();
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    return std::nullopt;
+  }
+  // A place of its own in free space, where nothing was.
+  Vec3 nextPlace() {
+    const int n = places_++;
+    constexpr int kAlong = 19;  // 3 mm apart, along the edge of the volume, layer by layer from below
+    return Vec3(-28 + 3 * (n % kAlong), -28 + 3 * (n / kAlong % kAlong), -29 + 3 * (n / (kAlong * kAlong) % 2)) * 1e-3;
+  }
+  static std::string editAt(const Vec3& place_W) {
+    return fmt::format("add:radius=1.2mm:at={:g},{:g},{:g}mm", 1e3 * place_W.x(), 1e3 * place_W.y(), 1e3 * place_W.z());
+  }
+  void edit() {
+    const Vec3 place_W = nextPlace();
+    if (run({"ctl", "edit", editAt(place_W)}).status == 0) answered_.push_back(place_W);
+  }
+
+  Event trouble() {
+    const Vec3 place_W = nextPlace();
+    RunningProgram client(PALPATE_PROGRAM, {"ctl", "edit", editAt(place_W)}, folder(), "client.log");  // meanwhile
+    pause(0, 40);
+    switch (pick(0, 5)) {
+      case 0:
+      case 1:
+        engine_.end(SIGKILL);
+        pause(0, 400);
+        serve();
+        return {"engine killed"};
+      case 2:
+        engine_.send(SIGSTOP);
+        pause(20, 700);
+        engine_.send(SIGCONT);
+        return {"engine stopped for a while"};
+      case 3:
+        signalServo(SIGKILL);
+        for (int look = 0; look < 500 && !arm_.hasEnded(); ++look) std::this_thread::sleep_for(milliseconds(10));
+        join();
+        return {"servo killed"};
+      case 4:
+        signalServo(SIGSTOP);
+        pause(20, 700);
+        signalServo(SIGCONT);
+        return {"servo stopped for a while"};
+      default:
+        client.end(SIGKILL);
+        return {"client killed"};
+    }
+  }
+
+  // What every arm took, as it says itself once its program has ended.
+  void expectSafeForces() {
+    for (int number = 1; number <= servos_; ++number) {
+      std::istringstream in(contentsOf(file("arm" + std::to_string(number))));
+      std::map<std::string, double> figures;
+      std::string key;
+      in >> key;
+      for (double value = 0; in >> key >> value;) figures[key] = value;
+      ASSERT_GT(figures["reports"], 0) << number;
+      EXPECT_LE(figures["force_max_N"], kForceLimit_N + kRounding_N) << number;
+      EXPECT_LE(figures["force_rise_max_N"], kSlew_N_per_s * 1e-3 + kRounding_N) << number;
+      EXPECT_EQ(figures["left_600ms_N"], 0) << number;  // its watchdog
+      largest_N_ = std::max(largest_N_, figures["force_max_N"]);
+      steepest_N_ = std::max(steepest_N_, figures["force_rise_max_N"]);
+    }
+  }
+
+  void writeFigures(const std::vector<Event>& events, std::size_t missing) const;
+
+  std::mt19937 random_;
+  RunningProgram engine_, arm_;
+  int servos_ = 0, places_ = 0;
+  std::vector<Vec3> answered_;
+  double largest_N_ = 0, steepest_N_ = 0;
+};
+
+void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t missing) const {
+  const char* const folder = std::getenv("PALPATE_KILLS_RESULTS");
+  if (folder == nullptr) return;
+  BenchResult result = beginBench("service-kills");
+  result.commit = run({"--version"}).out;
+  result.command = fmt::format("./dev kills {}", events.size());
+  std::map<std::string, std::vector<double>> kinds;
+  std::vector<double> all;
+  for (const Event& event : events) {
+    kinds[event.what].push_back(event.back_s);
+    all.push_back(event.back_s);
+  }
+  std::string table = fmt::format("{:30}{:>8}{:>16}{:>16}\n", "what", "times", "back, median [s]", "at most [s]");
+  for (auto& [what, times] : kinds) {
+    const double most = *std::ranges::max_element(times);
+    table += fmt::format("{:30}{:>8}{:>16.2f}{:>16.2f}\n", what, times.size(), median(times), most);
+    result.rows.push_back({{"part", "event"},
+                           {"kind", what},
+                           {"times", static_cast<std::int64_t>(times.size())},
+                           {"back_median_s", median(times)},
+                           {"back_most_s", most}});
+  }
+  result.rows.push_back({{"part", "all"},
+                         {"events", static_cast<std::int64_t>(events.size())},
+                         {"answered_edits", static_cast<std::int64_t>(answered_.size())},
+                         {"servos", servos_}});
+  result.targets = {{"answered edits that are missing", static_cast<double>(missing), 0},
+                    {"largest force that an arm took [N]", largest_N_, kForceLimit_N + kRounding_N},
+                    {"largest rise of a force in a tick [N]", steepest_N_, kSlew_N_per_s * 1e-3 + kRounding_N},
+                    {"longest time until all that live were attached again [s]", *std::ranges::max_element(all), 2}};
+  writeFileAtomically(std::filesystem::path(folder) / "service-kills.json", jsonText(result));
+  writeFileAtomically(
+      std::filesystem::path(folder) / "service-kills.md",
+      benchPage(result,
+                {.title = "What a service survives", .introduction = kIntroduction, .tables = table, .chart = {}}));
+}
+
+TEST_F(HidServiceKills, NothingAnsweredIsLostAndNoForceIsUnsafe) {
+  writeWay("phantom:sphere?size=64", 4, 2, 0.7);
+  serve();
+  join();
+  ASSERT_TRUE(awaitAll()) << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  std::vector<Event> events;
+  for (int i = 0; i < numberFrom("PALPATE_SERVICE_KILLS", 6); ++i) {
+    for (int edits = pick(0, 2); edits > 0; --edits) edit();
+    pause(0, 200);
+    Event event = trouble();
+    const std::optional<double> back_s = awaitAll();
+    ASSERT_TRUE(back_s) << event.what << "\n" << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+    event.back_s = *back_s;
+    events.push_back(event);
+  }
+  edit();
+  ASSERT_FALSE(answered_.empty());
+  expectSuccess(run({"ctl", "save", "end.vdb"}));
+  const Volume volume = loadVolume(file("end.vdb").string());
+  std::size_t missing = 0;
+  for (const Vec3& place_W : answered_) missing += volume.density(place_W).value_or(-1) > 0 ? 0U : 1U;
+  EXPECT_EQ(missing, 0U) << "of " << answered_.size();
+  EXPECT_LE(volume.density(Vec3(28, 28, 28) * 1e-3).value_or(1), 0);  // else the places would say nothing
+  signalServo(SIGTERM);
+  for (int look = 0; look < 500 && !arm_.hasEnded(); ++look) std::this_thread::sleep_for(milliseconds(10));
+  expectSafeForces();
+  EXPECT_GT(largest_N_, 0.3);  // it pressed
+  writeFigures(events, missing);
+}
+
+}  // namespace hid_service_kills_test
+}  // namespace palpate
