@@ -7,6 +7,7 @@
 #include "apps/bench/load_bench.hpp"
 #include "apps/bench/loop_bench.hpp"
 #include "apps/bench/render_bench.hpp"
+#include "apps/bench/service_bench.hpp"
 #include "apps/bench/servo_bench.hpp"
 #include "apps/bench/start_bench.hpp"
 
@@ -97,6 +98,19 @@ one of each camera.
 `late`, `age`: lateness of the servo's ticks, and age of its window of samples; ratios: over those of the session of the
 same turn in which nothing is drawn.)";
 
+constexpr const char* kServiceIntroduction = R"(
+The servo in a process of its own (`palpate touch --service`) against the servo beside the engine, in turns: one, two,
+two, one, and so on.
+All runs are the same: a knot of 128 x 128 x 64 voxels, the tool 1 voxel below its surface at 0.1 m/s in a rigid hand, a
+window of 32 x 32 x 32 samples, an edit around the tool every 15 to 35 ms.
+*Window age*: time since the window that a tick used was published; *first use*: the same at the first tick that used
+it.
+*Edit to window*: from asking for an edit to the begin of the first tick whose window held it.
+*Tick cost*: of a tick without its sleep.
+Each ratio is that of two processes over one within a pair of runs; the median over pairs is promised.
+`from`, `to`: between them the true median lies with a chance of 95 %; then the quartiles over pairs.
+`one / one` is the same ratio of two runs in one process, a pair apart: what is inside its quartiles may be chance.)";
+
 constexpr const char* kStartIntroduction = R"(
 This program started again and again as a process of its own, the jobs in turns; medians.
 `first tick`: from the start of the process until the servo's first tick was due, as the program itself tells it: the
@@ -133,6 +147,7 @@ const std::vector<Bench>& benches() {
        .help = "lateness of the real-time loop beside cyclictest's (four minutes; --quick: seconds)",
        .title = "How well the loop keeps its times",
        .introduction = kLoopIntroduction,
+       .seconds = "how long each side runs at each rate [s] (default 30; quick 2)",
        .takes = {"seconds", "gpu"},
        .run = run<runLoopBench, LoopBenchRequest>,
        .table = loopTable,
@@ -190,10 +205,20 @@ const std::vector<Bench>& benches() {
        .help = "pictures and servo while a session drills (two minutes; --quick: seconds)",
        .title = "How smooth a sculpting session is",
        .introduction = asParagraph(kLiveIntroduction),
+       .seconds = "how long each session drills [s] (default 5; quick 1.5)",
        .takes = {"seconds", "gpu"},
        .run = run<runLiveBench, LiveBenchRequest>,
        .table = liveTable,
        .charts = liveCharts},
+      {.name = "service",
+       .help = "engine and servo in two processes beside one (three minutes; --quick: seconds)",
+       .title = "What two processes cost",
+       .introduction = asParagraph(kServiceIntroduction),
+       .seconds = "how long each run is [s] (default 2; quick 1.5)",
+       .takes = {"seconds", "gpu"},
+       .run = run<runServiceBench, ServiceBenchRequest>,
+       .table = serviceTable,
+       .charts = serviceCharts},
       {.name = "start",
        .help = "from the start of the program to its first tick (a minute; --quick: half of it)",
        .title = "How long the program takes to start",

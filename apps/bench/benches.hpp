@@ -19,7 +19,7 @@ namespace palpate {
 struct BenchArguments {
   bool quick = false;
   std::uint64_t seed = 1;
-  std::optional<double> seconds;     // duration of each side of the loop bench at each rate [s]
+  std::optional<double> seconds;     // duration, as Bench::seconds says [s]
   std::string gpu;                   // part of the Vulkan device's name; empty: the best one
   std::vector<int> sizes;            // of volumes, along every edge [voxel]; empty: the bench's own
   std::vector<std::string> studies;  // of the error bench; empty: all
@@ -38,6 +38,7 @@ struct Bench {
   const char* title = "";                   // of the page
   std::string introduction{};               // of the page: what was measured and how, in Markdown
   std::vector<int> sizes{}, quick_sizes{};  // of volumes, along every edge [voxel]; none: the bench has its own volumes
+  const char* seconds = "";                 // of what `seconds` is the duration, with its defaults [s]
   std::vector<std::string_view> takes{};    // the members of BenchArguments that it uses, beside quick and seed
   // Returns rows and targets; the caller adds command and commit. Throws Error, with kCancelled on Ctrl-C.
   BenchResult (*run)(const Bench& bench, const BenchArguments& arguments, Progress& progress) = nullptr;

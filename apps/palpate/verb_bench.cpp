@@ -31,8 +31,7 @@ void addFlags(CLI::App& verb, const Bench& bench, BenchFlags& flags) {
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{9007199254740992}));
   const auto takes = [&](std::string_view flag) { return std::ranges::find(bench.takes, flag) != bench.takes.end(); };
   if (takes("seconds")) {
-    verb.add_option("--seconds", flags.seconds, "how long each side runs at each rate [s] (default 30; quick 2)")
-        ->check(numberFrom(0.1, 3600));
+    verb.add_option("--seconds", flags.seconds, bench.seconds)->check(numberFrom(0.1, 3600));
   }
   if (takes("gpu")) {
     verb.add_option("--gpu", flags.gpu, "part of the Vulkan device's name; the best one if not given");

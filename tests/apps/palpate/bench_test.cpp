@@ -52,6 +52,33 @@ TEST_F(Bench, FiltersWritesItsFilesAndEndsWithTheTargets) {
   EXPECT_THAT(contentsOf(file("f.md")), HasSubstr("](f.svg)\n"));
 }
 
+// The servo's program lies beside this one.
+TEST_F(Bench, ServiceComparesTwoProcessesWithOne) {
+  const Outcome outcome = run({"bench", "service", "--quick", "--seconds", "0.8", "--json", "s.json", "--csv", "s.csv",
+                               "--chart", "s.svg", "--page", "s.md"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("[0-4] of 4 targets hold\n$"));
+  const auto json = nlohmann::json::parse(contentsOf(file("s.json")));
+  EXPECT_EQ(json["command"], "palpate bench service --quick --seconds 0.8 --seed 1");
+  EXPECT_NE(json["vulkan_device"], "none");
+  int runs = 0, ratios = 0;
+  for (const auto& row : json["rows"]) {
+    runs += row["part"] == "run" ? 1 : 0;
+    ratios += row["part"] == "ratio" ? 1 : 0;
+    for (const auto& [key, value] : row.items()) EXPECT_FALSE(value.is_null()) << key << " of " << row;
+    if (row["part"] != "run") continue;
+    EXPECT_GT(row["edits"], 0) << row;
+    EXPECT_GT(row["windows"], 0) << row;
+    EXPECT_GT(row["tick_cost_median_us"], 0) << row;
+  }
+  EXPECT_EQ(runs, 6);
+  EXPECT_EQ(ratios, 10);
+  for (const auto& target : json["targets"]) EXPECT_GT(target["value"], 0) << target;
+  EXPECT_THAT(contentsOf(file("s.csv")), testing::StartsWith("part,"));
+  EXPECT_THAT(contentsOf(file("s.svg")), testing::StartsWith("<svg"));
+  EXPECT_THAT(contentsOf(file("s.md")), HasSubstr("](s.svg)\n"));
+}
+
 struct Refusal {
   const char* name;
   Words arguments;
@@ -77,6 +104,7 @@ const Refusal kRefusals[] = {
     {"NoSuchFolderForTheChart", {"bench", "loop", "--chart", "nowhere/l.svg"}, "nowhere/l.svg", "cannot be created", 4},
     {"OneFileForTwo", {"bench", "servo", "--json", "a.out", "--csv", "./a.out"}, "./a.out", "two of the outputs"},
     {"UnknownGpu", {"bench", "loop", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
+    {"UnknownGpuOfService", {"bench", "service", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
     {"SizeOfNoVolume", {"bench", "filters", "--sizes", "64,3"}, "--sizes", "3"},
     {"SizesOfServo", {"bench", "servo", "--sizes", "64"}, "--sizes", "not expected"},
     {"UnknownGpuOfFilters", {"bench", "filters", "--gpu", "Voodoo"}, "--gpu Voodoo", "no usable device", 3},
