@@ -124,6 +124,7 @@ template <auto kRun, class Request>
 BenchResult run(const Bench& bench, const BenchArguments& arguments, Progress& progress) {
   Request request = arguments.quick ? Request::quick() : Request{};
   request.seed = arguments.seed;
+  if constexpr (requires { request.commit; }) request.commit = arguments.commit;
   if constexpr (requires { request.gpu; }) request.gpu = arguments.gpu;
   if constexpr (requires { request.seconds; }) request.seconds = arguments.seconds.value_or(request.seconds);
   if constexpr (requires { request.sizes; }) {

@@ -23,6 +23,7 @@ struct BenchArguments {
   std::string gpu;                   // part of the Vulkan device's name; empty: the best one
   std::vector<int> sizes;            // of volumes, along every edge [voxel]; empty: the bench's own
   std::vector<std::string> studies;  // of the error bench; empty: all
+  std::string commit;                // of the program, which must be that of the servo's
   std::string shard;                 // which part of a bench that is made of cells: "2/8"; empty: all of it
 };
 

@@ -71,7 +71,7 @@ void addRun(BenchResult& result, std::size_t pair, Processes processes, const Se
 class ServiceTurns {
  public:
   ServiceTurns(const ServiceBenchRequest& request, BenchResult& result)
-      : result_(result), runs_(request.volume, request.seconds, request.seed, request.gpu) {}
+      : result_(result), runs_(request.volume, request.seconds, request.seed, request.gpu, request.commit) {}
 
   ServicePair pair(bool begins_with_one) {
     ServicePair pair;

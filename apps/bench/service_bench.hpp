@@ -24,8 +24,9 @@ struct ServiceBenchRequest {
   std::string volume = "phantom:knot?size=128x128x64";
   double seconds = 2;  // of each run [s]; short, so that other load meets both runs of a pair
   int pairs = 30;
-  std::uint64_t seed = 1;  // of way and edits, the same in all runs
-  std::string gpu = {};    // part of the Vulkan device's name
+  std::string commit = {};  // of this program, which must be the servo's
+  std::uint64_t seed = 1;   // of way and edits, the same in all runs
+  std::string gpu = {};     // part of the Vulkan device's name
 
   [[nodiscard]] static ServiceBenchRequest quick() { return {.seconds = 1.5, .pairs = 3}; }
 };

@@ -43,8 +43,9 @@ const char* wordFor(Processes processes) noexcept {
   return processes == Processes::kOne ? "one" : "two";
 }
 
-ServiceRuns::ServiceRuns(const std::string& volume, double seconds, std::uint64_t seed, const std::string& gpu)
-    : seed_(seed) {
+ServiceRuns::ServiceRuns(const std::string& volume, double seconds, std::uint64_t seed, const std::string& gpu,
+                         std::string commit)
+    : seed_(seed), commit_(std::move(commit)) {
   const std::unique_ptr<Phantom> phantom = makePhantom(volume);
   volume_.emplace(makeVolume(*phantom));
   isovalue_ = phantom->isovalue();
@@ -67,7 +68,11 @@ ServiceRun ServiceRuns::run(Processes processes) {
   EditSession session(engine, brushProfile(*volume_, isovalue_), kAskedKinds, 0);
   RigEdits edits(session, volume_->size(), volume_->lattice(), tellUser);
   servo.make(scene,
-             {.path = *way_, .box = boxOf(volume_->lattice(), volume_->size()), .isovalue = isovalue_, .asked = scene_},
+             {.path = *way_,
+              .box = boxOf(volume_->lattice(), volume_->size()),
+              .isovalue = isovalue_,
+              .asked = scene_,
+              .commit = commit_},
              engine);
   const RigVolume touched = {.scale = densityScaleOf(*volume_, engine.isovalue())};
   Progress silent(nullptr);

@@ -33,7 +33,8 @@ struct ServiceRun {
 class ServiceRuns {
  public:
   // `volume`: a phantom. `seconds`: of each run. Throws Error as makePhantom() and contactPath() do.
-  ServiceRuns(const std::string& volume, double seconds, std::uint64_t seed, const std::string& gpu);
+  ServiceRuns(const std::string& volume, double seconds, std::uint64_t seed, const std::string& gpu,
+              std::string commit);
 
   // By the real clock. Throws Error: as Engine, TouchServo and EditSession do (kNotFound where `palpate-servo` does not
   // lie beside this program); kDevice where an edit was refused; kCancelled on Ctrl-C.
@@ -45,6 +46,7 @@ class ServiceRuns {
  private:
   Scene scene_;
   std::uint64_t seed_;
+  std::string commit_;
   std::optional<Volume> volume_;  // edits change the engine's, not this one
   std::optional<SampledPath> way_;
   double isovalue_ = 0;

@@ -116,7 +116,9 @@ void BenchOutputs::finish(const Bench& bench, const BenchResult& result) {
 
 BenchResult runBench(const Bench& bench, const BenchArguments& arguments) {
   Progress progress;
-  BenchResult result = bench.run(bench, arguments, progress);
+  BenchArguments known = arguments;
+  known.commit = programCommit();
+  BenchResult result = bench.run(bench, known, progress);
   progress.done();
   result.commit = programCommit();
   result.command = commandLine(bench, arguments);

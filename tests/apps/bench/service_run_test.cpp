@@ -13,7 +13,7 @@ namespace service_run_test {
 constexpr const char* kVolume = "phantom:sphere?size=64";
 
 TEST(ServiceRuns, AsksForEditsBesideTheServo) {
-  ServiceRuns runs(kVolume, 1, 1, "");
+  ServiceRuns runs(kVolume, 1, 1, "", "");
   const ServiceRun run = runs.run(Processes::kOne);
   EXPECT_NE(runs.vulkanDevice(), "none");
   EXPECT_EQ(run.loop.ticks_run + run.loop.ticks_skipped, 1000);
@@ -32,8 +32,8 @@ TEST(ServiceRuns, AsksForEditsBesideTheServo) {
 }
 
 TEST(ServiceRuns, RefusesWhatIsNotThere) {
-  EXPECT_THROW(ServiceRuns("phantom:cloud", 1, 1, ""), Error);
-  ServiceRuns runs(kVolume, 0.3, 1, "Voodoo");
+  EXPECT_THROW(ServiceRuns("phantom:cloud", 1, 1, "", ""), Error);
+  ServiceRuns runs(kVolume, 0.3, 1, "Voodoo", "");
   EXPECT_THROW(static_cast<void>(runs.run(Processes::kOne)), Error);
 }
 
