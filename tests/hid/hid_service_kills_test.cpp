@@ -191,7 +191,9 @@ void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t
   const char* const folder = std::getenv("PALPATE_KILLS_RESULTS");
   if (folder == nullptr) return;
   BenchResult result = beginBench("service-kills");
-  result.commit = run({"--version"}).out;
+  result.commit = run({"--version"}).out;  // "palpate 0.1.0 (0123456789)"
+  result.commit = result.commit.substr(result.commit.find('(') + 1);
+  result.commit.resize(result.commit.find(')'));
   result.command = fmt::format("./dev kills {}", events.size());
   std::map<std::string, std::vector<double>> kinds;
   std::vector<double> all;
@@ -199,10 +201,10 @@ void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t
     kinds[event.what].push_back(event.back_s);
     all.push_back(event.back_s);
   }
-  std::string table = fmt::format("{:30}{:>8}{:>16}{:>16}\n", "what", "times", "back, median [s]", "at most [s]");
+  std::string table = fmt::format("{:30}{:>8}{:>20}{:>16}\n", "what", "times", "back, median [s]", "at most [s]");
   for (auto& [what, times] : kinds) {
     const double most = *std::ranges::max_element(times);
-    table += fmt::format("{:30}{:>8}{:>16.2f}{:>16.2f}\n", what, times.size(), median(times), most);
+    table += fmt::format("{:30}{:>8}{:>20.2f}{:>16.2f}\n", what, times.size(), median(times), most);
     result.rows.push_back({{"part", "event"},
                            {"kind", what},
                            {"times", static_cast<std::int64_t>(times.size())},
