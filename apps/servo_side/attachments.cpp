@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/attachments.hpp"
 
+#include <cstddef>
 #include <utility>
 
 #include "base/error.hpp"
@@ -103,7 +104,14 @@ RunRecords recordsOf(Descriptor memory, std::uint64_t ticks, std::uint64_t recor
   Reader reader(std::move(memory), tick_bytes + counted(recording_bytes));
   records.ticks.resize(static_cast<std::size_t>(ticks));
   records.recording.resize(static_cast<std::size_t>(recording_bytes));
-  reader.take(static_cast<void*>(records.ticks.data()), tick_bytes);
+  std::vector<std::byte> bytes(tick_bytes);
+  reader.take(bytes.data(), tick_bytes);
+  // A bool holds 0 or 1 and nothing else, whatever the other side wrote.
+  for (std::size_t at = 0; at < tick_bytes; at += sizeof(TickRecord)) {
+    for (const std::size_t flag : {offsetof(TickRecord, in_contact), offsetof(TickRecord, damped)})
+      bytes[at + flag] = bytes[at + flag] == std::byte{0} ? std::byte{0} : std::byte{1};
+  }
+  if (tick_bytes > 0) std::memcpy(static_cast<void*>(records.ticks.data()), bytes.data(), tick_bytes);
   reader.take(records.recording.data(), records.recording.size());
   return records;
 }

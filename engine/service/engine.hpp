@@ -140,7 +140,7 @@ class Engine {
   // From now on windows are published in memory that a servo in another process reads, and exchange() is the engine's
   // side of that: another object than before. Kernels write there in place, or, where the driver takes no memory of the
   // host, what they wrote is copied. The next call that publishes gathers a window. While nobody reads exchange().
-  // Throws Error(kDevice).
+  // Throws Error: kBadInput for windows that are too small, kDevice.
   struct SharedWindows {
     WindowBlock* block = nullptr;  // that neither side has used; it and the samples outlive their use
     std::array<Sample*, 3> samples{};

@@ -211,6 +211,13 @@ std::vector<gpu::Buffer> EngineParts::windowBuffersOver(const Engine::SharedWind
 }
 
 void EngineParts::shareWindows(const Engine::SharedWindows& shared) {
+  if (shared.block == nullptr || shared.capacity < windowCapacity() ||
+      shared.bytes < shared.capacity * sizeof(Sample)) {
+    refuse("shared windows",
+           fmt::format("they hold {} samples in {} bytes each, and a window has {}", shared.capacity, shared.bytes,
+                       windowCapacity()),
+           "share larger ones");
+  }
   auto exchange =
       std::make_unique<WindowExchange>(*shared.block, shared.samples, shared.capacity, shared.first_version);
   std::vector<gpu::Buffer> buffers = windowBuffersOver(shared);

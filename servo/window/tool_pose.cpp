@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/tool_pose.hpp"
 
+#include <atomic>
+
 namespace palpate {
 namespace {
 
 void put(double (&to)[3], const Vec3& from) noexcept {
   for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
+}
+// Sums and quotients of such numbers are finite. Nothing that a hand holds comes near.
+bool isSane(const Vec3& v) noexcept {
+  constexpr double kMost = 1e12;
+  return v.allFinite() && v.cwiseAbs().maxCoeff() <= kMost;
 }
 Vec3 taken(const double (&from)[3]) noexcept {
   return {from[0], from[1], from[2]};
@@ -27,9 +34,11 @@ void ToolPoseMailbox::publish() noexcept {
   buffer_.publish();
 }
 
-// The other side may write on while this reads: what is checked is a copy.
+// The other side may write on while this reads: what is checked is a copy, which the fence keeps the compiler from
+// reading anew.
 void ToolPoseMailbox::takeFront() noexcept {
   const ToolPoseRecord record = buffer_.front();
+  std::atomic_signal_fence(std::memory_order_seq_cst);
   ToolPose pose;
   pose.position_W = taken(record.position_W);
   pose.velocity_W = taken(record.velocity_W);
@@ -40,8 +49,8 @@ void ToolPoseMailbox::takeFront() noexcept {
   pose.time_ns = record.time_ns;
   pose.window_version = record.window_version;
   pose.at_surface = record.at_surface != 0;
-  const bool is_place = pose.position_W.allFinite() && pose.velocity_W.allFinite() && pose.surface_W.allFinite() &&
-                        pose.normal_W.allFinite() && pose.force_W.allFinite();
+  const bool is_place = isSane(pose.position_W) && isSane(pose.velocity_W) && isSane(pose.surface_W) &&
+                        isSane(pose.normal_W) && isSane(pose.force_W);
   if (is_place) latest_ = pose;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/window/window_exchange.hpp"
 
+#include <atomic>
 #include <utility>
 
 #include "base/error.hpp"
@@ -55,6 +56,7 @@ void WindowExchange::publish() {
 
 void WindowExchange::takeFront() noexcept {
   const WindowRecord record = buffer_.front();
+  std::atomic_signal_fence(std::memory_order_seq_cst);  // what is checked is this copy, not the memory read anew
   latest_ = windowOf(record, storages_[buffer_.frontIndex()], capacity_samples_);
 }
 

@@ -39,14 +39,15 @@ struct Options {
   double rate_hz = 1000;
   double current_limit_A = 3;
   bool calibrated = true;
-  int asks_from = -1;      // report from which on its calibration button is pressed; 0: since before; -1: never
-  bool forbidden = false;  // nobody may open the nodes
-  int unplug_after = -1;   // reports after which it is unplugged; -1: never
-  int replug_ms = -1;      // and plugged in again; -1: never
-  int silent_after = -1;   // reports after which it answers no more; -1: never
-  int garbled_after = -1;  // reports after which nothing it answers is a report of its; -1: never
-  bool paced = false;      // it takes a millisecond for each report, as over a cable
-  int press_from = -1;     // reports between which its handle's switch is pressed; -1: never
+  int asks_from = -1;       // report from which on its calibration button is pressed; 0: since before; -1: never
+  bool forbidden = false;   // nobody may open the nodes
+  int unplug_after = -1;    // reports after which it is unplugged; -1: never
+  int replug_ms = -1;       // and plugged in again; -1: never
+  int silent_after = -1;    // reports after which it answers no more; -1: never
+  int garbled_after = -1;   // reports after which nothing it answers is a report of its; -1: never
+  double slew_N_per_s = 0;  // that its account holds forces against, by the time between reports
+  bool paced = false;       // it takes a millisecond for each report, as over a cable
+  int press_from = -1;      // reports between which its handle's switch is pressed; -1: never
   int press_to = -1;
   double faults = 0;  // share of answers that are lost, garbled, short, double or late
   unsigned seed = 1;
@@ -100,6 +101,8 @@ Options parsed(int count, char** words) {
       o.paced = true;
     } else if (word == "--garbled-after") {
       o.garbled_after = std::stoi(value());
+    } else if (word == "--slew") {
+      o.slew_N_per_s = std::stod(value());
     } else if (word == "--faults") {
       o.faults = std::stod(value());
     } else if (word == "--seed") {
@@ -235,6 +238,7 @@ class Emulated {
     }
     report.size = static_cast<std::size_t>(got);
     ++reports_;
+    times_us_.push_back(g_get_monotonic_time());
     if (reports_ == options_.asks_from) arm_->pressCalibration();
     arm_->press(reports_ >= options_.press_from && reports_ < options_.press_to);
     if (options_.paced) usleep(1000);
@@ -261,9 +265,23 @@ class Emulated {
   }
   [[nodiscard]] bool wasUnplugged() const { return !there_; }
 
+  // How far a force rose above what the slew limit allows in the time since the report before, and in the servo's tick
+  // that may lie beside it.
+  [[nodiscard]] double beyondSlew_N() const {
+    double most_N = 0;
+    for (std::size_t i = 1; i < std::min(times_us_.size(), arm_->forces_D().size()); ++i) {
+      const Vec3& force = arm_->forces_D()[i];
+      const double time_s = 1e-6 * static_cast<double>(times_us_[i] - times_us_[i - 1]) + 1 / options_.rate_hz;
+      if (force.norm() > 0)
+        most_N = std::max(most_N, (force - arm_->forces_D()[i - 1]).norm() - options_.slew_N_per_s * time_s);
+    }
+    return most_N;
+  }
+
   // What the arm did, and what it goes on to do when nobody writes any more.
   [[nodiscard]] std::string account() {
     double largest_N = 0, slew_N = 0, later_N = 0;
+    const double beyond_N = beyondSlew_N();
     Vec3 before = Vec3::Zero();
     for (std::size_t i = 0; i < arm_->forces_D().size(); ++i) {
       const Vec3& force = arm_->forces_D()[i];
@@ -278,9 +296,9 @@ class Emulated {
     arm_->passSilence(0.2);
     return fmt::format(
         "{} reports {} force_max_N {} force_rise_max_N {} faults {} left_400ms_N {} left_600ms_N {} silent {} extra {} "
-        "spoiled {} force_after_unplugging_max_N {}\n",
+        "spoiled {} force_after_unplugging_max_N {} beyond_slew_N {}\n",
         name_, reports_, largest_N, slew_N, reports_of_->faults(), before_N, arm_->force_D().norm(),
-        reports_of_->silent(), reports_of_->extra(), reports_of_->spoiled(), later_N);
+        reports_of_->silent(), reports_of_->extra(), reports_of_->spoiled(), later_N, beyond_N);
   }
 
  private:
@@ -296,7 +314,8 @@ class Emulated {
   std::unique_ptr<EmulatedPolhem> arm_;
   std::unique_ptr<EmulatedReports> reports_of_;
   int reports_ = 0;
-  std::size_t forces_before_ = 0;  // ticks before it was unplugged; 0: it was not
+  std::vector<std::int64_t> times_us_;  // of the reports
+  std::size_t forces_before_ = 0;       // ticks before it was unplugged; 0: it was not
   bool there_ = true;
 };
 

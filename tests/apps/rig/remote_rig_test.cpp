@@ -200,6 +200,18 @@ TEST_F(RemoteRig, TheServoEndsWithoutAnEngine) {
       << host.ended_with;
 }
 
+// Told to stop before it began: it ends, without a word.
+TEST_F(RemoteRig, TheServoEndsBeforeItBegan) {
+  Host host;
+  {
+    MessageChannel channel(host.takeChannel(), "the servo");
+    static_cast<void>(channel.expect<wire::HelloT>(5000));
+    channel.send(wire::StopT{});
+    host.join();  // while the channel is open
+  }
+  EXPECT_EQ(host.ended_with, "");
+}
+
 // What cannot be made there is refused with the words of one process.
 TEST_F(RemoteRig, RefusalsComeBack) {
   scene.device = "recorded";

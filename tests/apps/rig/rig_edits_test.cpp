@@ -380,5 +380,41 @@ TEST_F(RigWithEdits, AreAskedForByAnyThread) {
   EXPECT_EQ(session.edits(), edits.state().edits);
 }
 
+// Whoever asks is told once: that it was made, or why not; also where nobody gets to it any more.
+TEST_F(Edits, TellWhoeverAskedWhatBecameOfIt) {
+  std::vector<std::string> answers;
+  const auto done = [&](const std::optional<Error>& refusal) { answers.push_back(refusal ? refusal->what() : "made"); };
+  EXPECT_TRUE(edits.undo(done));
+  EXPECT_TRUE(edits.edit(dab(EditKind::kRemove), done));
+  EXPECT_TRUE(edits.undo(done));
+  EXPECT_TRUE(edits.redo(done));
+  EXPECT_TRUE(edits.edit(dab(EditKind::kRemove, 100), done));  // too large
+  EXPECT_TRUE(answers.empty());
+  for (int i = 0; i < 5; ++i) look();
+  ASSERT_EQ(answers.size(), 5U);
+  EXPECT_THAT(answers[0], HasSubstr("there is no edit to undo"));
+  EXPECT_EQ(answers[1], "made");
+  EXPECT_EQ(answers[2], "made");
+  EXPECT_EQ(answers[3], "made");
+  EXPECT_NE(answers[4], "made");
+  EXPECT_EQ(edits.state().refused, 2U);
+  EXPECT_TRUE(told.empty());  // nobody else is told
+  for (std::size_t i = 0; i < RigEdits::kMostWaiting; ++i) EXPECT_TRUE(edits.undo());
+  EXPECT_FALSE(edits.undo(done));
+  ASSERT_EQ(answers.size(), 6U);
+  EXPECT_THAT(answers[5], HasSubstr("too many edits wait"));
+}
+
+TEST_F(Edits, TellWhoeverAskedThatNothingWillBeDone) {
+  std::vector<std::string> answers;
+  {
+    RigEdits ending(session, volume.size(), volume.lattice(), [](const std::string&) {});
+    EXPECT_TRUE(ending.undo(
+        [&](const std::optional<Error>& refusal) { answers.push_back(refusal ? refusal->what() : "made"); }));
+  }
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_THAT(answers[0], HasSubstr("editing has ended"));
+}
+
 }  // namespace rig_edits_test
 }  // namespace palpate

@@ -55,6 +55,22 @@ TEST(Attachments, RecordsAreTheSame) {
   EXPECT_TRUE(recordsOf(sent(recordsMemory({})), 0, 0).ticks.empty());
 }
 
+// A flag is true or false whatever byte came for it.
+TEST(Attachments, FlagsAreFlags) {
+  const RunRecords records{.ticks = std::vector<TickRecord>(2), .recording = ""};
+  const SealedMemory memory = recordsMemory(records);
+  memory.data()[offsetof(TickRecord, in_contact)] = std::byte{0x40};
+  memory.data()[sizeof(TickRecord) + offsetof(TickRecord, damped)] = std::byte{0xff};
+  const RunRecords back = recordsOf(sent(memory), 2, 0);
+  std::byte flag{};
+  std::memcpy(&flag, &back.ticks[0].in_contact, 1);
+  EXPECT_EQ(flag, std::byte{1});
+  std::memcpy(&flag, &back.ticks[1].damped, 1);
+  EXPECT_EQ(flag, std::byte{1});
+  EXPECT_FALSE(back.ticks[0].damped);
+  EXPECT_FALSE(back.ticks[1].in_contact);
+}
+
 // Counts that another side may say.
 TEST(Attachments, CountsThatDoNotFitAreRefused) {
   const RunRecords records{.ticks = std::vector<TickRecord>(3), .recording = ""};

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 
+#include "base/error.hpp"
 #include "engine/phantoms/phantom.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/window/window_exchange.hpp"
@@ -107,6 +108,20 @@ TEST_P(SharedWindows, AreThoseOfTheEnginesOwnBuffers) {
     if (testing::Test::HasFailure()) return;
   }
   EXPECT_GT(windows, 20U);
+}
+
+TEST_P(SharedWindows, AreRefusedIfTheyAreTooSmall) {
+  const Volume volume = makeVolume(*makePhantom("phantom:sphere?size=32"));
+  Engine engine(volume, makePlan({}), 0, "");
+  Shared memory(engine.windowCapacity(), GetParam());
+  for (int which = 0; which < 3; ++which) {
+    Engine::SharedWindows given = memory.windows(1);
+    if (which == 0) given.block = nullptr;
+    if (which == 1) given.capacity = engine.windowCapacity() - 1;
+    if (which == 2) given.bytes = given.capacity * sizeof(Sample) - 1;
+    EXPECT_THROW(engine.shareWindows(given), Error) << which;
+  }
+  EXPECT_TRUE(engine.publishAround(volume.lattice().toWorld({16, 16, 16}), 1));  // its own windows are there
 }
 
 // A servo that comes later gets memory of its own, and the first window at once.

@@ -146,7 +146,7 @@ TEST(LinkMemory, LeavesOutPosesThatAreNoPlace) {
   ToolPoseMailbox tool;
   std::int64_t tick = 0;
   for (Vec3 ToolPose::*const part : parts) {
-    for (const double bad : {std::nan(""), HUGE_VAL}) {
+    for (const double bad : {std::nan(""), HUGE_VAL, -1e300}) {
       tool.back() = {.position_W = Vec3(1, 2, 3), .tick = ++tick};
       tool.publish();
       EXPECT_EQ(tool.latest().tick, tick);
