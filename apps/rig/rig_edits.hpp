@@ -67,6 +67,7 @@ class RigEdits {
     bool editing = true;           // false: the device has failed, and nothing more is edited
   };
   [[nodiscard]] State state() const;
+  [[nodiscard]] bool isEditing() const;  // State::editing, without a copy
 
   // To be called with every new pose of the tool: does one request, the tool's edit if one is due, and a save if one is
   // due.
@@ -87,7 +88,6 @@ class RigEdits {
   void hold(const std::optional<ToolBrushSpec>& brush);
   void stroke(const ToolPose& pose, std::int64_t now_ns);
   void stepTowards(std::size_t done, std::int64_t now_ns);
-  [[nodiscard]] bool isEditing() const;
   void noteState();  // the caller holds the lock
   class Promise;
   bool askFor(const char* what, Done done, std::function<void(std::int64_t now_ns)> change);

@@ -127,7 +127,7 @@ void ServedVolume::run() {
         try {
           feel(std::move(next), hello);
         } catch (const Error& error) {
-          if (!live_->edits().state().editing || live_->engine().broken()) throw;
+          if (!live_->edits().isEditing() || live_->engine().broken()) throw;
           tell_(error.what());
         }
         const std::lock_guard lock(mutex_);
@@ -135,7 +135,7 @@ void ServedVolume::run() {
       } else {
         lookAlone();
       }
-      if (!live_->edits().state().editing)
+      if (!live_->edits().isEditing())
         throw Error(Error::Code::kDevice, "the engine", "its device has failed, and nothing more can be edited",
                     "start it again: the edits come back from the journal");
     }
@@ -206,7 +206,7 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
     status_.device = std::string(servo_->device().name());
   }
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live_->name()));
-  while (rig.running() && !stop_) std::this_thread::sleep_for(kRigLook);
+  while (rig.running() && !stop_ && live_->edits().isEditing()) std::this_thread::sleep_for(kRigLook);
   lendRig(nullptr);
   rig.requestStop();
   static_cast<void>(rig.wait());

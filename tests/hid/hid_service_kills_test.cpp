@@ -171,6 +171,7 @@ class HidServiceKills : public EmulatedHid {
         write("fault", "submit -4 0");
         static_cast<void>(run({"ctl", "edit", editAt(nextPlace())}));
         for (int look = 0; look < 500 && !engine_.hasEnded(); ++look) std::this_thread::sleep_for(milliseconds(10));
+        EXPECT_TRUE(engine_.hasEnded()) << "the engine lives on without its device";
         EXPECT_FALSE(exists("fault")) << "the device was not lost";
         serve();
         return {"Vulkan device lost"};
