@@ -15,6 +15,7 @@ LiveView::LiveView(double frame_s, double piece_s)
 void LiveView::show(const ViewRequest& request) {
   const std::scoped_lock lock(mutex_);
   request_ = request;
+  failure_.clear();
 }
 
 std::string LiveView::failure() const {

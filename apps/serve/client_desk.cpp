@@ -33,6 +33,17 @@ int pixelsOf(const std::string& word) {
   return is_number ? std::stoi(word) : 0;
 }
 
+// So that an answer fits a packet, whatever was asked.
+wire::AnswerT shortened(wire::AnswerT words) {
+  constexpr std::size_t kMostText = 32'000, kMostPart = 4000;
+  if (words.text.size() > kMostText) words.text.resize(kMostText);
+  if (words.refusal) {
+    for (std::string* const part : {&words.refusal->input, &words.refusal->reason, &words.refusal->remedy})
+      if (part->size() > kMostPart) part->resize(kMostPart);
+  }
+  return words;
+}
+
 void writePicture(const std::string& file, const RenderedImage& image) {
   AtomicFile target(file);
   target.write(pngOf(image));
@@ -60,10 +71,13 @@ void checkAbsolute(const std::string& file) {
 
 }  // namespace
 
-ClientDesk::ClientDesk(const std::string& socket, ServedVolume& served, Tell tell)
-    : served_(served), tell_(std::move(tell)), listener_(socket), waker_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+ClientDesk::ClientDesk(Listener listener, ServedVolume& served, Tell tell)
+    : served_(served),
+      tell_(std::move(tell)),
+      listener_(std::move(listener)),
+      waker_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!waker_)
-    throw Error(Error::Code::kIo, socket, fmt::format("nothing can wake it ({})", std::strerror(errno)),
+    throw Error(Error::Code::kIo, listener_.path(), fmt::format("nothing can wake it ({})", std::strerror(errno)),
                 "raise the limit of open files (ulimit -n)");
 }
 
@@ -182,11 +196,22 @@ void ClientDesk::sendReady() {
     ready.swap(ready_);
   }
   for (const Ready& one : ready) {
-    wire::AnswerT words = one.make();  // also for one who has left: a picture is written all the same
+    const std::vector<std::byte> bytes = encodedAnswer(one);  // also for one who has left: a picture is written
     const auto client = std::ranges::find(clients_, one.client, &Client::number);
     if (client == clients_.end()) continue;
     if (client->open > 0) --client->open;
-    if (!client->channel.send(encoded(std::move(words)), 0)) client->channel.close();
+    if (!client->channel.send(bytes, 0)) client->channel.close();
+  }
+}
+
+// What went wrong with one answer is no matter for the others.
+std::vector<std::byte> ClientDesk::encodedAnswer(const Ready& one) {
+  try {
+    return encoded(shortened(one.make()));
+  } catch (const std::exception& error) {
+    tell_(fmt::format("an answer to client {} could not be made: {}", one.client, error.what()));
+    wire::AnswerT none;
+    return encoded(std::move(none));
   }
 }
 
@@ -199,6 +224,7 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
     case wire::Verb::Status:
       return;  // answered at once
     case wire::Verb::Get:
+      checkWords(ask, 0, kMostEdits);
       return done({}, settingsText(served_.scene(), ask.words));
     case wire::Verb::Set: {
       checkWords(ask, 2, 2);

@@ -14,6 +14,7 @@
 #include <list>
 #include <mutex>
 #include <string>
+#include <vector>
 
 #include "apps/serve/served_volume.hpp"
 #include "service/channel/channel.hpp"
@@ -28,8 +29,8 @@ class ClientDesk {
   static constexpr double kSilence_s = 5;       // until the first word [s]
   using Tell = std::function<void(const std::string&)>;
 
-  // Listens at `socket` from now on. Throws Error as Listener does.
-  ClientDesk(const std::string& socket, ServedVolume& served, Tell tell);
+  // Throws Error(kIo) where the system has no means to wake it.
+  ClientDesk(Listener listener, ServedVolume& served, Tell tell);
   ~ClientDesk();
   ClientDesk(const ClientDesk&) = delete;
   ClientDesk& operator=(const ClientDesk&) = delete;
@@ -68,6 +69,7 @@ class ClientDesk {
   void askForEdit(const wire::AskT& ask, const Answer& done);
   void askForPicture(const wire::AskT& ask, const Client& client);
   void sendReady();
+  [[nodiscard]] std::vector<std::byte> encodedAnswer(const Ready& one);
   void wake() const noexcept;
 
   ServedVolume& served_;

@@ -57,6 +57,16 @@ void reload(const ServeRequest& request, ServedVolume& served) {
   }
 }
 
+struct ClosedFirst {
+  ServedVolume& served;
+  ~ClosedFirst() {
+    try {
+      served.close();
+    } catch (const std::exception&) {  // told already
+    }
+  }
+};
+
 std::filesystem::path journalOf(const ServeRequest& request) {
   return request.scene.journal.empty() ? usualServiceJournal(request.socket)
                                        : std::filesystem::path(request.scene.journal);
@@ -66,9 +76,11 @@ std::filesystem::path journalOf(const ServeRequest& request) {
 
 void serveScene(const ServeRequest& request, Progress& progress) {
   makeSocketFolder(request.socket);
+  Listener listener(request.socket);  // first: whoever has the socket has the journal
   ServedVolume served({.scene = request.scene, .journal = journalOf(request), .commit = request.commit}, progress,
                       tell);
-  ClientDesk desk(request.socket, served, tell);
+  ClientDesk desk(std::move(listener), served, tell);
+  const ClosedFirst closed{served};  // what it still has to answer goes to the desk
   for (const int number : {SIGTERM, SIGINT}) static_cast<void>(std::signal(number, askToStop));
   static_cast<void>(std::signal(SIGHUP, askToReload));
   served.start();

@@ -53,32 +53,25 @@ Plan planOf(Scene scene) {
 ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell)
     : commit_(request.commit), tell_(std::move(tell)), scene_(request.scene) {
   checkServable(scene_);
-  // A journal that is there is a killed service's. Its edits are made again, and kept in a journal of this one; the old
-  // one goes when that is on the disk.
-  std::filesystem::path old = request.journal;
-  old += ".before";
-  std::error_code ignored;
-  const auto hasJournal = [&](const std::filesystem::path& folder) {
-    return !folder.empty() && std::filesystem::exists(journalFile(folder), ignored);
-  };
-  if (!request.journal.empty()) {
-    if (hasJournal(old)) {
-      std::filesystem::remove_all(request.journal, ignored);  // begun by one that was killed while it made edits again
-    } else if (hasJournal(request.journal)) {
-      std::filesystem::rename(request.journal, old);
-    }
+  journal_.emplace(request.journal);
+  try {
+    live_.emplace(LiveVolumeRequest{.volume = scene_.volume,
+                                    .isovalue = scene_.isovalue,
+                                    .gpu = scene_.gpu,
+                                    .gpu_memory_bytes = scene_.gpu_memory_bytes,
+                                    .plan = planOf(scene_),
+                                    .journal = request.journal,
+                                    .recovers = journal_->earlier(),
+                                    .work = "palpate serve"},
+                  progress, tell_);
+  } catch (const Error& error) {
+    if (journal_->earlier().empty() || error.code() != Error::Code::kBadInput) throw;
+    throw Error(error.code(), error.input(), error.reason(),
+                fmt::format("edits of an earlier service wait in {}: serve their volume again, or write them to a file "
+                            "with 'palpate recover' and delete that folder, or name another --journal",
+                            journal_->earlier().string()));
   }
-  const bool recovers = hasJournal(old);
-  live_.emplace(LiveVolumeRequest{.volume = scene_.volume,
-                                  .isovalue = scene_.isovalue,
-                                  .gpu = scene_.gpu,
-                                  .gpu_memory_bytes = scene_.gpu_memory_bytes,
-                                  .plan = planOf(scene_),
-                                  .journal = request.journal,
-                                  .recovers = recovers ? old : std::filesystem::path(),
-                                  .work = "palpate serve"},
-                progress, tell_);
-  if (recovers && live_->journalFailure().empty()) std::filesystem::remove_all(old, ignored);
+  if (live_->journalFailure().empty()) journal_->takeOver();
   const Volume& volume = live_->volume();
   scene_.isovalue = live_->firstIsovalue();
   scene_.stiffness_N_per_m = stiffnessOf(scene_);
@@ -92,6 +85,10 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
   seen_ = objectExtent(engine.bounds(), BrickGrid{size_, lattice_.spacing_m}, lattice_,
                        static_cast<float>(engine.isovalue()), {}, engine.filters() ? nullptr : &volume);
   if (hasPath(scene_)) way_ = scriptedPath(scene_, VolumeSurface(volume, live_->firstIsovalue())).path;
+  other_isovalues_ = planOf(request.scene).request.other_isovalues;
+  gradient_everywhere_ = engine.gradientEverywhere();
+  lowest_ = volume.minimum();
+  highest_ = volume.maximum();
   noteStatus();
 }
 
@@ -126,10 +123,11 @@ void ServedVolume::run() {
       if (Channel next = takeNext(hello); next.open()) {
         try {
           feel(std::move(next), hello);
-        } catch (const Error& error) {
+        } catch (const std::exception& error) {
           if (!live_->edits().isEditing() || live_->engine().broken()) throw;
           tell_(error.what());
         }
+        if (servo_) servo_->leave();
         const std::lock_guard lock(mutex_);
         has_servo_ = status_.servo = false;
       } else {
@@ -198,6 +196,10 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
     }
     static_cast<void>(lookAround(now_ns));
   });
+  struct Lent {
+    ServedVolume& served;
+    ~Lent() { served.lendRig(nullptr); }
+  } const lent{*this};
   lendRig(&rig);
   {
     const std::lock_guard lock(mutex_);
@@ -206,7 +208,10 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
     status_.device = std::string(servo_->device().name());
   }
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live_->name()));
-  while (rig.running() && !stop_ && live_->edits().isEditing()) std::this_thread::sleep_for(kRigLook);
+  while (rig.running() && !stop_ && live_->edits().isEditing()) {
+    heedRefusal(rig);
+    std::this_thread::sleep_for(kRigLook);
+  }
   lendRig(nullptr);
   rig.requestStop();
   static_cast<void>(rig.wait());
@@ -215,8 +220,17 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
 // Settings that changed since the rig was made are the servo's from now on.
 void ServedVolume::lendRig(TouchRig* rig) {
   const std::lock_guard order(changers_);
+  if (rig != nullptr) rig->change(rigSettings(scene(), wantedIsovalue(scene())));
   rig_ = rig;
-  if (rig_ != nullptr) rig_->change(rigSettings(scene(), wantedIsovalue(scene())));
+}
+
+// The isovalue that the engine refused is not asked for again.
+void ServedVolume::heedRefusal(TouchRig& rig) {
+  const std::optional<Error> refusal = rig.takeRefusal();
+  if (!refusal) return;
+  tell_(refusal->what());
+  const std::lock_guard lock(mutex_);
+  scene_.isovalue = rig.settings().parameters.isovalue;
 }
 
 double ServedVolume::wantedIsovalue(const Scene& scene) const {
@@ -304,7 +318,10 @@ void ServedVolume::render(int width, int height, std::function<void(RenderedImag
   request.height = height;
   const double distance_m = fittingDistance(request, seen_);
   ViewRequest view{.camera = frameCamera(request, seen_.middle_W, distance_m, 0), .style = {}};
+  constexpr std::size_t kMostDrawings = 16;
   const std::lock_guard lock(mutex_);
+  if (drawings_.size() >= kMostDrawings)
+    throw Error(Error::Code::kOutOfMemory, "the picture", "too many others wait", "ask again when they are done");
   drawings_.push_back({std::move(view), std::move(done)});
 }
 
@@ -338,8 +355,22 @@ void ServedVolume::change(const Scene& scene) {
   if (algorithmEntry(scene.algorithm).needs.isosurface_mesh)
     refuse("servo.algorithm = " + scene.algorithm, "it touches a mesh, which would not follow the edits",
            "choose another one, as hri");
+  const double isovalue = wantedIsovalue(scene);
+  if (scene.isovalue != this->scene().isovalue) {
+    if (!other_isovalues_)
+      refuse("isovalue", "what is on the device serves the first one alone", "change it in the scene and start again");
+    if (!(isovalue >= lowest_ && isovalue < highest_))
+      refuse(fmt::format("isovalue {:g}", isovalue), fmt::format("the densities are {:g} to {:g}", lowest_, highest_),
+             "choose one between them");
+  }
+  if (algorithmEntry(scene.algorithm).needs.gradient_everywhere && !gradient_everywhere_) {
+    refuse("servo.algorithm = " + scene.algorithm,
+           "it reads gradients everywhere, and those on the device lie around the isosurface",
+           "start the service with --gradient all");
+  }
+  static_cast<void>(makeAlgorithm(rigSettings(scene, isovalue), RigVolume{.scale = scale_}));  // or says why not
   const std::lock_guard order(changers_);
-  if (rig_ != nullptr) rig_->change(rigSettings(scene, wantedIsovalue(scene)));
+  if (rig_ != nullptr) rig_->change(rigSettings(scene, isovalue));
   const std::lock_guard lock(mutex_);
   scene_ = scene;
 }

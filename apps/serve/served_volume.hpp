@@ -27,6 +27,7 @@
 #include "apps/rig/live_view.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
+#include "apps/serve/kept_journal.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "service/channel/channel.hpp"
 
@@ -103,6 +104,7 @@ class ServedVolume {
   bool drawOn();
   void noteStatus();
   void lendRig(TouchRig* rig);
+  void heedRefusal(TouchRig& rig);
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
   [[nodiscard]] Channel takeNext(wire::HelloT& hello);
   [[nodiscard]] Done onDisk(Done done);
@@ -110,6 +112,7 @@ class ServedVolume {
 
   const std::string commit_;
   const Tell tell_;
+  std::optional<KeptJournal> journal_;  // held as long as the session writes to it
   std::optional<LiveVolume> live_;
   Vec3i size_;
   Lattice lattice_;
@@ -117,6 +120,8 @@ class ServedVolume {
   VolumeBox box_;
   SeenExtent seen_;
   DensityScale scale_;
+  double lowest_ = 0, highest_ = 0;  // densities
+  bool other_isovalues_ = true, gradient_everywhere_ = false;
   LiveView view_;
   std::deque<Written> written_;         // engine's thread
   std::optional<Drawing> drawing_;      // engine's thread

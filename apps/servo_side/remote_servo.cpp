@@ -115,6 +115,8 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
   make.voxel_m = volume.scale.voxel_m;
   make.ticks = loop.ticks;
   make.record_ticks = loop.record_ticks;
+  most_records_ =
+      static_cast<std::uint64_t>(std::max<std::int64_t>(0, loop.record_ticks < 0 ? loop.ticks : loop.record_ticks));
   make.doubtful = loop.instability.doubtful;
   make.window_samples = memory_.capacity();
   channel_.send(std::move(make), memory_.descriptor());
@@ -194,11 +196,19 @@ void RemoteServo::requestStop() noexcept {
   }
 }
 
+void RemoteServo::leave() noexcept {
+  requestStop();
+  if (listener_.joinable()) listener_.join();
+  channel_.close();
+}
+
 void RemoteServo::tellTicksTo(LiveTicks&) {
   refuse("--service", "ticks cannot be watched while the servo is in a process of its own", "leave it out");
 }
 
 void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {
+  if (ended.records > most_records_)
+    refuse("the servo", "it sends more records than were asked for", "start programs of the same version of Palpate");
   RunRecords records = recordsOf(std::move(attached), ended.records, ended.recording_bytes);
   result_ = {.records = std::move(records.ticks),
              .ticks_run = ended.ticks_run,

@@ -73,6 +73,10 @@ class RemoteServo final : public ServoSide {
   void requestStop() noexcept override;
   void tellTicksTo(LiveTicks& live) override;
 
+  // Ends a run, and lets the other process go; only memory() may be used afterwards. Waits for an end in good order,
+  // for some seconds at most.
+  void leave() noexcept;
+
   // After a run.
   [[nodiscard]] const std::vector<std::pair<std::string, double>>& deviceFigures() const noexcept { return figures_; }
   [[nodiscard]] const std::optional<Recording>& recording() const noexcept { return recording_; }
@@ -100,6 +104,7 @@ class RemoteServo final : public ServoSide {
   std::vector<std::pair<std::string, double>> figures_;
   std::optional<Recording> recording_;
   std::exception_ptr failure_;
+  std::uint64_t most_records_ = 0;
   std::jthread listener_;  // last member: it uses the others
 };
 

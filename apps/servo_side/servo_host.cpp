@@ -2,11 +2,13 @@
 #include "apps/servo_side/servo_host.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <memory>
-#include <new>
 #include <optional>
 #include <thread>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "apps/scene/scene_file.hpp"
 #include "apps/servo_setup/rig_volume.hpp"
@@ -73,8 +75,9 @@ class ServoHost::Impl {
       } catch (const Error& error) {
         channel_->send(refusalMessage(error));
         throw;
-      } catch (const std::bad_alloc&) {
-        const Error error(Error::Code::kOutOfMemory, "the servo", "there is not enough memory for what was asked for",
+      } catch (const std::exception& failure) {  // no memory for what was asked for
+        const Error error(Error::Code::kOutOfMemory, "the servo",
+                          fmt::format("what was asked for cannot be made ({})", failure.what()),
                           "end other programs, or make it smaller");
         channel_->send(refusalMessage(error));
         throw error;
@@ -82,9 +85,9 @@ class ServoHost::Impl {
     }
     if (!loop_ || !started_ || ended_) return;
     takeLinked();
-    if (noteEnded()) {
+    if (noteEnded() && is_shared_ && changes_ended_ > changes_before_) {
       wire::ChangeEndedT words;
-      words.number = changes_ended_;
+      words.number = changes_ended_ - changes_before_;
       channel_->send(words);
     }
     if (loop_->running()) return;
@@ -143,6 +146,7 @@ class ServoHost::Impl {
       refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
     if (!device_ || !isSame(make, path)) {
       stopLoop();  // another scene: its device begins anew
+      recorder_ = nullptr;
       device_.reset();
       made_for_ = {make.scene, box, make.recorded_reads};
       way_ = std::make_unique<SampledPath>(std::move(path));
@@ -180,8 +184,9 @@ class ServoHost::Impl {
     session_ = made.session;
     device_ = std::move(made.device);
     constexpr std::uint64_t kMostReads = std::uint64_t{1} << 32U;
-    if (make.recorded_reads > kMostReads)
-      refuse("the engine", "it asks for too long a recording", "make the run shorter");
+    if (make.recorded_reads > kMostReads || (stays_ && make.recorded_reads > 0))
+      refuse("the engine", "it asks for a recording that cannot be",
+             "make the run shorter, or let the servo end with it");
     if (make.recorded_reads > 0) {
       auto recorder = std::make_unique<RecordingDevice>(std::move(device_), scene_.rate_hz, make.recorded_reads);
       recorder_ = recorder.get();
@@ -202,6 +207,11 @@ class ServoHost::Impl {
     volume_.scale = {.contrast = make.contrast, .voxel_m = make.voxel_m};
     volume_.objects = objects_.objects;
     const RigSettings settings = settingsOf(make.settings);
+    checkSetting(settings.force_limit_N > 0 && std::isfinite(settings.force_limit_N), "force limit",
+                 settings.force_limit_N, "give newtons above 0");
+    constexpr std::int64_t kMostTicks = std::int64_t{1} << 32U;
+    if (make.record_ticks > kMostTicks || make.ticks > kMostTicks || (stays_ && make.ticks != 0))
+      refuse("the engine", "it asks for a run of another length than can be", "make the run shorter");
     auto end = std::make_unique<EngineEnd>(std::move(memory), make.window_samples);
     std::unique_ptr<Algorithm> algorithm = makeAlgorithm(settings, volume_);
     if (loop_ && loop_->running()) {
@@ -216,12 +226,13 @@ class ServoHost::Impl {
       end_ = std::move(end);
       algorithm_ = std::move(algorithm);
       changes_.emplace();
+      changes_given_ = changes_ended_ = 0;
       links_.emplace();
       loop_.emplace(loop, *algorithm_, *device_, end_->windows, end_->tool);
       loop_->takeChangesFrom(*changes_);
       loop_->takeLinksFrom(*links_);
     }
-    changes_given_ = changes_ended_ = 0;
+    changes_before_ = changes_given_;
     channel_->send(wire::LoopMadeT{});
   }
 
@@ -268,7 +279,7 @@ class ServoHost::Impl {
       wire::StepT step;
       step.tick = tick;
       step.time_ns = time_ns;
-      step.ended_change = changes_ended_;
+      step.ended_change = changes_ended_ - changes_before_;
       channel_->send(step);
       for (bool go = false; !go;) {
         std::optional<MessageChannel::Received> received = channel_->receive(-1);
@@ -346,9 +357,10 @@ class ServoHost::Impl {
   ServoLink link_;                         // to the next
   std::optional<ServoLinks> links_;
   std::optional<ServoChanges> changes_;
-  std::uint64_t changes_given_ = 0, changes_ended_ = 0;
-  std::unique_ptr<Algorithm> algorithm_;  // the first one
-  std::optional<ServoLoop> loop_;         // uses what stands above
+  std::uint64_t changes_given_ = 0, changes_ended_ = 0;  // in all
+  std::uint64_t changes_before_ = 0;                     // that former engines gave
+  std::unique_ptr<Algorithm> algorithm_;                 // the first one
+  std::optional<ServoLoop> loop_;                        // uses what stands above
   bool started_ = false, is_shared_ = false, ended_ = false;
 };
 

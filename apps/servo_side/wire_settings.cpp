@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -130,6 +131,11 @@ wire::DeviceMadeT wireOf(const Device& device) {
 }
 
 DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
+  constexpr int kMostDelay_ticks = 1000;
+  if (wire.force_delay_ticks < 0 || wire.force_delay_ticks > kMostDelay_ticks) {
+    refuse("the servo's device", formatted("its force is late by {} ticks, which none is", wire.force_delay_ticks),
+           "start programs of the same version of Palpate");
+  }
   return {.force_limit_N = wire.force_limit_N,
           .position_resolution_m = wire.position_resolution_m,
           .force_delay_ticks = wire.force_delay_ticks,

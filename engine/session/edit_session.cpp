@@ -128,6 +128,7 @@ void EditSession::handOver(std::size_t most, Then then) {
     }
   } catch (const std::exception& error) {
     saver_usable_ = false;
+    errands_.clear();  // whoever asked is told by their end
     saver_->abandon(error.what());
   }
 }
@@ -145,6 +146,7 @@ void EditSession::close() {
     more = engine_.changedBricks() > 0 || errand;
   }
   saver_->close();
+  errands_.clear();
 }
 
 bool EditSession::flushJournal() {

@@ -54,7 +54,9 @@ class EditSession {
   void feedSaver(std::int64_t now_ns);
   // To be done with the volume as it is once feedSaver() has handed over every edit made until now; after keepSaved().
   // Errands are done in order, in the saver's thread, while edits go on. close() does those that are left.
-  void ask(BackgroundSaver::Errand errand) { errands_.push_back(std::move(errand)); }
+  void ask(BackgroundSaver::Errand errand) {
+    if (saver_usable_) errands_.push_back(std::move(errand));
+  }
   [[nodiscard]] BackgroundSaver* saver() noexcept { return saver_ ? &*saver_ : nullptr; }
 
   // These throw as EditHistory does. After an exception other than Error it is unknown whether the volume has changed,

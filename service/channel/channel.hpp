@@ -63,8 +63,7 @@ class Listener {
   // for a socket, or at which something else lies; kIo if somebody listens there, or for the system's reason.
   explicit Listener(std::string path);
   ~Listener();  // removes it
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
+  Listener(Listener&& other) noexcept : path_(std::move(other.path_)), socket_(std::move(other.socket_)) {}
 
   // The next connection of this user or root, or a closed channel if none waits. Others are turned away.
   [[nodiscard]] Channel accept();

@@ -305,6 +305,9 @@ ServoLink* ServoLoop::lookForLink() noexcept {
 // Nothing of the old windows is used any more. Their age means nothing for the new ones.
 void ServoLoop::goOver(ServoLink& link) noexcept {
   const Vec3 free_W = freePlace(windows_->latest());
+  // A change that nobody has taken was the former engine's.
+  if (ServoChange* const stale = changes_ != nullptr ? changes_->take() : nullptr; stale != nullptr)
+    changes_->done(stale);
   windows_ = link.windows;
   tool_ = link.tool;
   window_clock_ = WindowClock(nanoseconds(parameters_.safety.stall_s));

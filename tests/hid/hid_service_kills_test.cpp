@@ -15,6 +15,7 @@
 #include "base/quantile.hpp"
 #include "emulated_program.hpp"
 #include "engine/files/volume_file.hpp"
+#include "engine/gpu/gpu.hpp"
 #include "service_processes.hpp"
 
 namespace palpate {
@@ -35,6 +36,11 @@ constexpr const char* kIntroduction =
     "clients edit. After each, the time is measured from the moment at which what died was started again until the "
     "engine answers and the servo reads its windows. In the end every edit that was answered must be in the volume; "
     "the forces are those that the arms took, by their own account.";
+
+std::string vulkanDevice() {
+  const std::vector<gpu::GpuInfo> all = gpu::listGpus();
+  return all.empty() ? "none" : fmt::format("{}, {}", all.front().name, all.front().driver);
+}
 
 int numberFrom(const char* name, int usual) {
   const char* const text = std::getenv(name);
@@ -210,7 +216,7 @@ class HidServiceKills : public EmulatedHid {
 void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t missing) const {
   const char* const folder = std::getenv("PALPATE_KILLS_RESULTS");
   if (folder == nullptr) return;
-  BenchResult result = beginBench("service-kills");
+  BenchResult result = beginBench("service-kills", vulkanDevice());
   result.commit = run({"--version"}).out;  // "palpate 0.1.0 (0123456789)"
   result.commit = result.commit.substr(result.commit.find('(') + 1);
   result.commit.resize(result.commit.find(')'));

@@ -171,6 +171,12 @@ TEST_F(Serve, KeepsWhatNoFileHolds) {
   expectSuccess(ctl({"stop"}));
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  // Not for another volume, and not lost by trying.
+  for (int start = 0; start < 2; ++start) {
+    const Outcome other = run({"serve", "phantom:knot?size=32"});
+    EXPECT_EQ(other.status, 2);
+    EXPECT_THAT(other.err, HasSubstr("edits of an earlier service wait in "));
+  }
   serve({kSphere});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 1);

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/kept_journal.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+
+#include "base/atomic_file.hpp"
+#include "base/durable_io.hpp"
+#include "base/error.hpp"
+#include "base/file_lock.hpp"
+#include "engine/journal/journal_format.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool holdsJournal(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::exists(journalFile(folder), ignored);
+}
+
+fs::path markIn(const fs::path& folder) {
+  return folder / "holds-all";
+}
+
+[[noreturn]] void refuseFolder(const fs::path& folder, const std::string& why) {
+  throw Error(Error::Code::kIo, folder.string(), fmt::format("the journal there cannot be kept ({})", why),
+              "see to the rights of that folder, or name another one with --journal");
+}
+
+// The folder may hold other things, which are the user's.
+void drop(const fs::path& file) {
+  std::error_code failed;
+  fs::remove(file, failed);
+  if (failed) refuseFolder(file, failed.message());
+}
+
+void flush(const fs::path& folder) {
+  if (const int failure = flushFolder(folder); failure != 0) refuseFolder(folder, std::strerror(failure));
+}
+
+Descriptor lockOf(const fs::path& folder) {
+  const fs::path file = folder / "in-use";
+  Descriptor lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (!lock) refuseFolder(folder, std::strerror(errno));
+  if (!isOurs(file, lock.get())) refuseFolder(folder, "another service keeps it");
+  return lock;
+}
+
+}  // namespace
+
+KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
+  if (folder_.empty()) return;
+  if (const int failure = makeFolder(folder_); failure != 0) refuseFolder(folder_, std::strerror(failure));
+  lock_ = lockOf(folder_);
+  const fs::path earlier = folder_ / "earlier";
+  std::error_code ignored;
+  if (holdsJournal(earlier) && fs::exists(markIn(folder_), ignored)) {
+    drop(journalFile(earlier));
+  } else if (holdsJournal(earlier)) {
+    drop(journalFile(folder_));  // begun by one that was killed while it made the edits again
+  }
+  if (!holdsJournal(earlier) && holdsJournal(folder_)) {
+    // First the mark: it would say that the journal which is put aside is not needed.
+    drop(markIn(folder_));
+    flush(folder_);
+    if (const int failure = makeFolder(earlier); failure != 0) refuseFolder(earlier, std::strerror(failure));
+    std::error_code failed;
+    fs::rename(journalFile(folder_), journalFile(earlier), failed);
+    if (failed) refuseFolder(folder_, failed.message());
+    flush(earlier);
+    flush(folder_);
+  }
+  if (holdsJournal(earlier)) earlier_ = earlier;
+}
+
+void KeptJournal::takeOver() {
+  if (earlier_.empty()) return;
+  writeFileAtomically(markIn(folder_), "");
+  flush(folder_);
+  drop(journalFile(earlier_));
+  std::error_code ignored;
+  fs::remove(earlier_, ignored);
+  earlier_.clear();
+}
+
+}  // namespace palpate
