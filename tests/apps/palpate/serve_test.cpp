@@ -71,6 +71,12 @@ TEST_F(Serve, RefusesWithWords) {
   refused({"set", "servo.stifness_N_per_m", "500"}, "servo.stifness_N_per_m", "no setting of a scene has this key");
   refused({"set", "servo.n", "much"}, "servo.n", "");
   refused({"set", "servo.algorithm", "god-object"}, "god-object", "would not follow the edits");
+  refused({"set", "servo.algorithm", "avila"}, "avila", "it reads gradients everywhere");
+  refused({"set", "isovalue", "1e9"}, "isovalue", "the densities are -1000 to 1000");
+  refused({"get", std::string(60'000, 'x')}, "xxx", "no setting of a scene has this key");
+  EXPECT_NE(ctl({"edit", std::string(60'000, 'x')}).status, 0);
+  EXPECT_THAT(ctl({"get", "servo.stiffness_N_per_m", "isovalue", "servo.algorithm"}).out,
+              HasSubstr("isovalue = 0\nservo.algorithm = hri\n"));  // as before
   refused({"save", "a.xyz"}, "a.xyz", "");
   refused({"save", "none/a.vdb"}, "a.vdb", "", 4);
   refused({"render", "a.jpg"}, "a.jpg", "pictures are written as PNG");
@@ -114,6 +120,26 @@ TEST_F(Serve, AKilledEngineComesBackWithItsEdits) {
   EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
   expectSuccess(ctl({"undo"}));  // the edit can be undone by the next engine too
   EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("the force fades"));
+}
+
+// Another service at the same socket, or with the same journal, is refused before it touches the journal.
+TEST_F(Serve, ASecondServiceTakesNothing) {
+  serve({kSphere, "--journal", "kept/"});
+  ASSERT_TRUE(awaitService());
+  write("kept/mine.txt", "mine");
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  const Outcome same = run({"serve", kSphere, "--journal", "kept"});
+  EXPECT_EQ(same.status, 4);
+  EXPECT_THAT(same.err, HasSubstr("somebody listens there already"));
+  const Outcome other = run({"serve", kSphere, "--journal", "kept", "--socket", "other.sock"});
+  EXPECT_EQ(other.status, 4);
+  EXPECT_THAT(other.err, HasSubstr("another service keeps it"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=12,-12,-12mm"}));
+  engine.end(SIGKILL);
+  serve({kSphere, "--journal", "kept"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["undoable"], 2);
+  EXPECT_EQ(contentsOf(file("kept/mine.txt")), "mine");
 }
 
 // The servo is killed: the engine goes on, a new servo joins. A second one is turned away.

@@ -353,6 +353,16 @@ class StayingServo : public RemoteRig {
     for (int waited = 0; ticks_in_contact < 200 && waited < 5000; ++waited)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     EXPECT_GE(ticks_in_contact, 200);
+    for (int change = 1; change <= changes; ++change) {
+      ServoChange next;
+      next.force_limit_N = 3 + 0.1 * change;
+      const std::uint64_t number = servo.give(std::move(next), settings);
+      EXPECT_EQ(number, static_cast<std::uint64_t>(change));
+      EXPECT_FALSE(servo.ended(number));
+      for (int waited = 0; !servo.ended(number) && waited < 5000; ++waited)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      all_changes_ended = all_changes_ended && servo.ended(number);
+    }
     rig.requestStop();
     const LoopResult result = rig.wait();
     EXPECT_TRUE(result.records.empty());
@@ -360,6 +370,8 @@ class StayingServo : public RemoteRig {
   }
 
   LoopParameters loop;
+  int changes = 0;  // that each engine gives
+  bool all_changes_ended = true;
   std::vector<std::uint64_t> first_versions;
 };
 
@@ -378,6 +390,17 @@ TEST_F(StayingServo, GoesFromEngineToEngine) {
   // 1 mm below the surface, the stiffness that each asked for.
   EXPECT_NEAR(first.back().force_W.norm(), stiffnessOf(scene) * 1e-3, 0.1);
   EXPECT_NEAR(second.back().force_W.norm(), 0.9, 0.15);
+}
+
+// What an engine before gave is no change of the next one's: neither counted nor taken.
+TEST_F(StayingServo, CountsChangesByEngine) {
+  StayingHost host;
+  changes = 3;
+  static_cast<void>(engineFor(host.connect()));
+  const std::vector<ToolPose> second = engineFor(host.connect(), "", 900);
+  EXPECT_TRUE(host.ended_with().empty());
+  EXPECT_NEAR(second.back().force_W.norm(), 0.9, 0.15);
+  EXPECT_TRUE(all_changes_ended);
 }
 
 // An engine of another scene gets a device that begins anew.
