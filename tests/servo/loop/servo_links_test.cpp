@@ -52,6 +52,8 @@ struct Takeover {
   std::int64_t works_from = 1210;  // the next engine's first window
   std::int64_t withdrawn_at = -1;
   double limit_N = 5;
+  bool lies = false;      // the first engine's last word is of a time that has not come
+  bool left_one = false;  // it left a change that the servo has not taken
 
   std::vector<TickRecord> run() {
     const AlgorithmParameters parameters{.stiffness_N_per_m = 400, .damping_Ns_per_m = 0};
@@ -68,6 +70,7 @@ struct Takeover {
     ServoLoop loop(press.parameters, *press.algorithm, device, press.scene.windows, press.scene.tool);
     ServoLinks links;
     loop.takeLinksFrom(links);
+    loop.takeChangesFrom(press.changes);
     std::vector<TickRecord> records =
         loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
               if (tick < kDies) {
@@ -75,6 +78,8 @@ struct Takeover {
                 if (tick % 16 == 0) press.scene.publish(pose.at_surface ? pose.surface_W : pose.position_W, now_ns);
                 press.scene.windows.confirm(now_ns);
               }
+              if (lies && tick == kDies) press.scene.windows.confirm(now_ns + 1'000'000'000'000);
+              if (left_one && tick == works_from) press.changes.give({.force_limit_N = 0.05});
               if (tick == begins) links.give(link);
               if (tick == begins + 1) was_heard = links.state() == ServoLinks::State::kHeard;
               if (tick == withdrawn_at) links.withdraw();
@@ -159,6 +164,23 @@ TEST(ServoLinks, TheNextEnginesForceLimitHolds) {
   EXPECT_GT(newtons(records[Takeover::kDies]), 0.5);
   for (std::size_t tick = 1300; tick < records.size(); ++tick) ASSERT_LE(newtons(records[tick]), 0.2 + 1e-12);
   EXPECT_NEAR(newtons(records.back()), 0.2, 1e-3);
+}
+
+// What the first engine said of the time is nothing to hold the next one's words against.
+TEST(ServoLinks, TheNextEnginesTimeCounts) {
+  Takeover takeover{.lies = true};
+  const std::vector<TickRecord> records = takeover.run();
+  EXPECT_EQ(takeover.state, ServoLinks::State::kDone);
+  EXPECT_TRUE(has(records[Takeover::kDies + 1].faults, ServoFault::kClockStep));
+  for (auto tick = static_cast<std::size_t>(takeover.works_from); tick < records.size(); ++tick)
+    ASSERT_EQ(records[tick].faults, 0U) << tick;
+}
+
+// Nor is a change that the first one gave and the servo had not taken.
+TEST(ServoLinks, AChangeThatWasLeftIsDropped) {
+  Takeover takeover{.left_one = true};
+  const std::vector<TickRecord> records = takeover.run();
+  EXPECT_GT(newtons(records.back()), 0.3);
 }
 
 TEST(ServoLinks, AreWithdrawnOnlyBeforeTheyAreDone) {
