@@ -138,12 +138,13 @@ bool LiveVolume::isUnsaved() const {
   return edits_->state().content_version > saved_version_.load();
 }
 
-void LiveVolume::close(bool keep_journal) {
+void LiveVolume::close(KeepJournal keep) {
   if (std::exchange(closed_, true) || !session_) return;
   edits_->doWaiting(0);  // a file that was asked for last
   session_->close();
   const bool unsaved = isUnsaved();
-  if (!journal_.empty() && !unsaved && !keep_journal) removeJournal(journal_);
+  const bool keeps = keep == KeepJournal::kIfUnsaved ? unsaved : keep == KeepJournal::kAlways;
+  if (!journal_.empty() && !keeps) removeJournal(journal_);
   const JournalWriter* journal = session_->journal();
   if (unsaved && journal != nullptr && !journal->failure().empty()) {
     throw Error(Error::Code::kIo, journal_.string(), "edits are lost that no file holds: " + journal->failure(),

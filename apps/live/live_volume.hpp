@@ -74,9 +74,9 @@ class LiveVolume {
   [[nodiscard]] bool isUnsaved() const;                                           // the newest file lacks an edit
 
   // When no rig runs any more: does the requests that wait, finishes what save() began, and ends the journal. Deletes
-  // the journal if nothing is unsaved and `keep_journal` is not set. Throws Error(kIo) if neither a file nor the
-  // journal holds every edit.
-  void close(bool keep_journal = false);
+  // the journal if it is not to be kept. Throws Error(kIo) if neither a file nor the journal holds every edit.
+  enum class KeepJournal { kIfUnsaved, kAlways, kNever };
+  void close(KeepJournal keep = KeepJournal::kIfUnsaved);
 
  private:
   class SavePromise;

@@ -73,7 +73,7 @@ void addServeVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("serve", "serve a volume to a servo and to clients, as one of several processes");
   verb->footer(
       "Another terminal: palpate servo --connect SOCKET; palpate ctl edit ...; docs/service.md\n"
-      "Example: palpate serve 'phantom:knot?size=64' --path knot.csv");
+      "Example: palpate serve 'phantom:knot?size=64' --supervise");
   auto arguments = std::make_shared<SceneArguments>(*verb);
   auto socket = std::make_shared<std::string>(usualSocket());
   verb->add_option("--socket", *socket, "where servo and clients connect")->capture_default_str()->check(notEmpty);

@@ -96,7 +96,7 @@ void serveScene(const ServeRequest& request, Progress& progress) {
     static_cast<void>(notify.ready());
   }
   static_cast<void>(notify.stopping());
-  if (!served.failed() && !request.scene.save.empty())
+  if (!served.failed() && !request.scene.save.empty() && served.status().undoable > 0)
     served.save(request.scene.save, [](const LiveVolume::Saved& saved) { tell(saved.words); });
   served.close();
   desk.flush();

@@ -66,10 +66,11 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
                   progress, tell_);
   } catch (const Error& error) {
     if (journal_->earlier().empty() || error.code() != Error::Code::kBadInput) throw;
-    throw Error(error.code(), error.input(), error.reason(),
-                fmt::format("edits of an earlier service wait in {}: serve their volume again, or write them to a file "
-                            "with 'palpate recover' and delete that folder, or name another --journal",
-                            journal_->earlier().string()));
+    throw Error(
+        error.code(), error.input(), error.reason(),
+        fmt::format("edits of an earlier service wait in {0}: serve their volume again, or write them to a file "
+                    "with 'palpate recover {0} --out FILE' and delete that folder, or name another --journal",
+                    journal_->earlier().string()));
   }
   if (live_->journalFailure().empty()) journal_->takeOver();
   const Volume& volume = live_->volume();
@@ -107,12 +108,13 @@ void ServedVolume::close() {
   if (std::exchange(closed_, true)) return;
   stop_ = true;
   if (thread_.joinable()) thread_.join();
-  const bool unsaved = live_->isUnsaved();
-  live_->close(failure_ != nullptr);
+  // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
+  live_->edits().doWaiting(0);
+  const bool has_edits = live_->edits().state().done > 0;
+  live_->close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
   settle();
   if (failure_) std::rethrow_exception(failure_);
-  if (unsaved && live_->keepsJournal())
-    tell_("edits that no file holds are in its journal, and come back with the next start");
+  if (has_edits && live_->keepsJournal()) tell_("its edits are in the journal, and come back with the next start");
 }
 
 void ServedVolume::run() {
@@ -125,7 +127,7 @@ void ServedVolume::run() {
           feel(std::move(next), hello);
         } catch (const std::exception& error) {
           if (!live_->edits().isEditing() || live_->engine().broken()) throw;
-          tell_(error.what());
+          if (std::exchange(servos_trouble_, error.what()) != error.what()) tell_(error.what());
         }
         if (servo_) servo_->leave();
         const std::lock_guard lock(mutex_);
@@ -190,8 +192,8 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
   rig.start([this, first](const ToolPose& pose, std::int64_t now_ns) {
     {
       const std::lock_guard lock(mutex_);
+      if (pose.tick != status_.pose.tick) status_.pose_at_ns = now_ns;
       status_.pose = pose;
-      status_.pose_at_ns = now_ns;
       status_.windows = pose.window_version >= first ? pose.window_version - first + 1 : 0;
     }
     static_cast<void>(lookAround(now_ns));
@@ -207,6 +209,7 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
     ++status_.servos;
     status_.device = std::string(servo_->device().name());
   }
+  servos_trouble_.clear();
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live_->name()));
   while (rig.running() && !stop_ && live_->edits().isEditing()) {
     heedRefusal(rig);

@@ -64,7 +64,7 @@ class ServedVolume {
   ServedVolume& operator=(const ServedVolume&) = delete;
 
   void start();
-  // Ends the thread, finishes what was asked for and closes the session; the journal stays if an edit is unsaved.
+  // Ends the thread, finishes what was asked for and closes the session; the journal stays if an edit is in effect.
   // Throws what ended the engine, and as LiveVolume::close().
   void close();
   // The engine has failed; close() throws why.
@@ -126,6 +126,7 @@ class ServedVolume {
   std::deque<Written> written_;         // engine's thread
   std::optional<Drawing> drawing_;      // engine's thread
   std::unique_ptr<RemoteServo> servo_;  // engine's thread; the last one, whose memory the engine may still write to
+  std::string servos_trouble_;          // why the last servo did not come to be; told once
   std::uint64_t drawing_from_ = 0;      // edits that it must show
   std::mutex changers_;                 // guards the next; held while the rig takes a change
   TouchRig* rig_ = nullptr;

@@ -16,7 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kLook{10};
-constexpr int kLooksForAnEngine = 10;
+constexpr int kLooksForAnEngine = 10, kLooksAfterTrouble = 100;
 
 class ServoKeeper {
  public:
@@ -24,31 +24,44 @@ class ServoKeeper {
 
   void run() {
     while (!keeping_.stopped()) {
-      serveNext();
-      for (int look = 0; look < kLooksForAnEngine && !keeping_.stopped(); ++look) std::this_thread::sleep_for(kLook);
+      const bool again_soon = serveNext();
+      const int looks = again_soon ? kLooksForAnEngine : kLooksAfterTrouble;
+      for (int look = 0; look < looks && !keeping_.stopped(); ++look) std::this_thread::sleep_for(kLook);
     }
   }
 
  private:
-  void serveNext() {
-    bool is_there = false;
+  // False: what was asked for cannot be, and will hardly be in a moment.
+  bool serveNext() {
+    std::optional<Channel> channel;
     try {
-      Channel channel = connectTo(keeping_.socket);
-      const std::uint32_t user = channel.peer().user;
+      channel = connectTo(keeping_.socket);
+      const std::uint32_t user = channel->peer().user;
       if (user != geteuid() && user != 0) {
         refuse(keeping_.socket, fmt::format("user {} listens there", user),
                "start the service as the user of the servo");
       }
-      is_there = true;
-      tellOnce(fmt::format("an engine at {}", keeping_.socket));
-      host_.serve(std::move(channel), keeping_.stopped);
+    } catch (const Error& error) {
+      tellOnce(error.code() == Error::Code::kNotFound ? fmt::format("waiting for an engine at {}", keeping_.socket)
+                                                      : std::string(error.what()));
+      return true;
+    }
+    try {
+      if (trouble_.empty()) tellOnce(fmt::format("an engine at {}", keeping_.socket));
+      host_.serve(std::move(*channel), keeping_.stopped);
       tellOnce("the engine has left; the servo waits for the next one");
     } catch (const Error& error) {
-      tellOnce(is_there && error.code() == Error::Code::kDevice
-                   ? fmt::format("the engine is gone; the force fades, and the servo waits for the next one ({})",
-                                 error.what())
-                   : std::string(error.what()));
+      const bool is_gone = error.code() == Error::Code::kDevice && error.input() == "the engine";
+      if (!is_gone) {
+        if (std::exchange(trouble_, error.what()) != error.what())
+          keeping_.tell(trouble_ + " (tried again every second)");
+        return false;
+      }
+      tellOnce(
+          fmt::format("the engine is gone; the force fades, and the servo waits for the next one ({})", error.what()));
     }
+    trouble_.clear();
+    return true;
   }
 
   void tellOnce(const std::string& words) {
@@ -57,7 +70,8 @@ class ServoKeeper {
 
   const ServoKeeping& keeping_;
   ServoHost host_;
-  std::string told_;
+  std::string told_;     // last
+  std::string trouble_;  // why it is no servo of the engine that is there; empty: none
 };
 
 }  // namespace

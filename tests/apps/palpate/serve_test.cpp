@@ -175,7 +175,8 @@ TEST_F(Serve, AStoppedEngineGoesOn) {
   expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
 }
 
-// A signal ends it in good order: the file that the scene names is written, and nothing is left in the journal.
+// A signal ends it in good order: the file that the scene names is written. The journal stays, so that the next start
+// goes on from there; one without an edit leaves the file as it is.
 TEST_F(Serve, SavesWhenItIsToldToEnd) {
   serve({kSphere, "--save", "end.vdb"});
   ASSERT_TRUE(awaitService());
@@ -184,9 +185,32 @@ TEST_F(Serve, SavesWhenItIsToldToEnd) {
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_GT(densityAt("end.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
-  serve({kSphere});
+  const std::string saved = contentsOf(file("end.vdb"));
+  serve({kSphere, "--save", "end.vdb"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["undoable"], 1);
+  expectSuccess(ctl({"undo"}));
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_EQ(contentsOf(file("end.vdb")), saved);
+  serve({"phantom:knot?size=32"});  // nothing is left that would be lost
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 0);
+}
+
+// A servo whose device is not there says so once, and does not flood the terminal.
+TEST_F(Serve, SaysOnceWhyThereIsNoServo) {
+  serve({kSphere, "--device", "polhem-v1", "--current-limit", "3"});
+  ASSERT_TRUE(awaitService());
+  join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  for (const char* log : {"serve.log", "servo.log"}) {
+    const std::string said = contentsOf(file(log));
+    const std::size_t first = said.find("none of this machine's HID devices is one");
+    EXPECT_NE(first, std::string::npos) << log << said;
+    EXPECT_EQ(said.find("none of this machine's HID devices is one", first + 1), std::string::npos) << log << said;
+  }
 }
 
 // Without one the edits stay in the journal, and come back with the next start.
