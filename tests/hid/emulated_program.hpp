@@ -11,6 +11,10 @@
 
 namespace palpate {
 
+// An arm that is calibrated and may exert forces, its workspace's middle at the world's origin, as large as it is.
+inline const Words kArmInTheMiddle = {"--device", "polhem-v1",    "--place-at",      "0,0,0", "--place-scale",
+                                      "1",        "--calibrated", "--current-limit", "3"};
+
 class EmulatedHid : public ProgramTest {
  protected:
   using Json = nlohmann::json;

@@ -25,25 +25,8 @@ class HidFaults : public EmulatedHid {
     return a;
   }
   static Words pressing(const std::string& seconds) {
-    return {"touch",
-            "phantom:sphere?size=64",
-            "--device",
-            "polhem-v1",
-            "--place-at",
-            "0,0,0",
-            "--place-scale",
-            "1",
-            "--calibrated",
-            "--current-limit",
-            "3",
-            "--stiffness",
-            "400",
-            "--clock",
-            "simulated",
-            "--picture",
-            "off",
-            "--seconds",
-            seconds};
+    return Words{"touch", "phantom:sphere?size=64"} + kArmInTheMiddle +
+           Words{"--stiffness", "400", "--clock", "simulated", "--picture", "off", "--seconds", seconds};
   }
 };
 
@@ -104,8 +87,8 @@ TEST_F(HidFaults, ACableThatIsPluggedInAgainBringsTheDeviceBackWithoutForce) {
   writeWay("phantom:sphere?size=64", 4, 2);
   const Outcome outcome = on(
       {"--paced", "--path", "way.csv", "--at", "0,0,0", "--unplug-after", "1000", "--replug-ms", "200", "--log", "log"},
-      {"touch", "phantom:sphere?size=64", "--device", "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1",
-       "--calibrated", "--current-limit", "3", "--edge", "0", "--seconds", "4", "--picture", "off"});
+      Words{"touch", "phantom:sphere?size=64"} + kArmInTheMiddle +
+          Words{"--edge", "0", "--seconds", "4", "--picture", "off"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
   EXPECT_EQ(figure("disconnects"), 1);

@@ -78,29 +78,12 @@ class HidServiceKills : public EmulatedHid {
   void pause(int least_ms, int most_ms) { std::this_thread::sleep_for(milliseconds(pick(least_ms, most_ms))); }
 
   void serve() {
-    engine_ = RunningProgram(PALPATE_PROGRAM,
-                             {"serve",
-                              "phantom:sphere?size=64",
-                              "--device",
-                              "polhem-v1",
-                              "--place-at",
-                              "0,0,0",
-                              "--place-scale",
-                              "1",
-                              "--calibrated",
-                              "--current-limit",
-                              "3",
-                              "--stiffness",
-                              "400",
-                              "--slew-limit",
-                              std::to_string(kSlew_N_per_s),
-                              "--force-limit",
-                              std::to_string(kForceLimit_N),
-                              "--stale",
-                              "0.1",
-                              "--fade",
-                              "0.05"},
-                             folder(), "serve.log");
+    engine_ =
+        RunningProgram(PALPATE_PROGRAM,
+                       Words{"serve", "phantom:sphere?size=64"} + kArmInTheMiddle +
+                           Words{"--stiffness", "400", "--slew-limit", std::to_string(kSlew_N_per_s), "--force-limit",
+                                 std::to_string(kForceLimit_N), "--stale", "0.1", "--fade", "0.05"},
+                       folder(), "serve.log");
   }
   void join() {
     const std::string servo = (std::filesystem::path(PALPATE_PROGRAM).parent_path() / "palpate-servo").string();

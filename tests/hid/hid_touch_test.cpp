@@ -105,10 +105,7 @@ TEST_F(HidTouch, IsPlayedBackBitForBit) {
   const Words touch = {"touch", "phantom:sphere?size=32"};
   const Outcome session =
       on({"--path", "way.csv", "--at", "0,0,0", "--faults", "0.01"},
-         touch +
-             Words{"--device", "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1", "--calibrated",
-                   "--current-limit", "3", "--seconds", "1", "--record", "s.rec", "--out", "session"} +
-             common);
+         touch + kArmInTheMiddle + Words{"--seconds", "1", "--record", "s.rec", "--out", "session"} + common);
   ASSERT_EQ(session.status, 0) << session.err;
   for (const char* out : {"one", "two"}) {
     const Outcome again = run(touch + Words{"--device", "recorded", "--recording", "s.rec", "--out", out} + common);
