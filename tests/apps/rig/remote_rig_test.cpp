@@ -10,6 +10,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 
 #include "apps/rig/touch_rig.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
@@ -410,6 +411,25 @@ TEST_F(StayingServo, BeginsAnewWithAnotherScene) {
   scene.encoder_resolution_m = 1e-4;
   const std::vector<ToolPose> second = engineFor(host.connect());
   EXPECT_LT(second.front().tick, first.back().tick);
+}
+
+// Killed when the servo had been told of its windows, and before there was one: the next engine is taken all the same.
+TEST_F(StayingServo, LeavesAnEngineThatDiedBeforeItsFirstWindow) {
+  StayingHost host;
+  const std::vector<ToolPose> first = engineFor(host.connect());
+  {
+    Channel channel = host.connect();
+    const int socket = channel.descriptor();
+    RemoteServo servo(std::move(channel), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
+    servo.makeLoop(loop, rigSettings(scene, phantom->isovalue()), rigVolume(), nullptr);
+    EXPECT_GT(servo.tool().latest().tick, first.back().tick);
+    ASSERT_EQ(shutdown(socket, SHUT_RDWR), 0);
+    for (int waited = 0; host.ended_with().empty() && waited < 5000; ++waited)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_THAT(host.ended_with(), testing::ElementsAre(HasSubstr("the engine: its process has ended")));
+  }
+  const std::vector<ToolPose> third = engineFor(host.connect());
+  EXPECT_GT(third.front().tick, first.back().tick);
 }
 
 TEST_F(StayingServo, RefusesAnEngineOfAnotherVersionAndStays) {
