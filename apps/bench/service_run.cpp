@@ -91,7 +91,7 @@ ServiceRun ServiceRuns::run(Processes processes) {
   run.asked = asked->take();
   static_cast<void>(servo.letGo());
   throwIfInterrupted(kServiceRun);
-  if (edits.state().refused == 0 && edits.state().editing) return run;
+  if (edits.counts().refused == 0 && edits.counts().editing) return run;
   throw Error(Error::Code::kDevice, kServiceRun, "an edit was refused in the run", "see the message above");
 }
 

@@ -117,7 +117,7 @@ void LiveVolume::save(const std::string& file, double isovalue, std::function<vo
   ConvertRequest request{.in = name_, .out = file};
   if (isMeshFileName(file)) request.isovalue = isovalue;
   checkOutput(request);
-  const std::uint64_t content = edits_->state().content_version;
+  const std::uint64_t content = edits_->counts().content_version;
   const bool is_volume = isVolumeFileName(file);
   const auto promise = std::make_shared<SavePromise>(*this, request.out, std::move(done));
   static_cast<void>(edits_->errand([this, promise, request, content, is_volume](const Volume& volume, std::uint64_t) {
@@ -135,7 +135,7 @@ void LiveVolume::save(const std::string& file, double isovalue, std::function<vo
 }
 
 bool LiveVolume::isUnsaved() const {
-  return edits_->state().content_version > saved_version_.load();
+  return edits_->counts().content_version > saved_version_.load();
 }
 
 void LiveVolume::close(KeepJournal keep) {

@@ -114,9 +114,9 @@ bool RigEdits::ask(Request request) {
   return true;
 }
 
-bool RigEdits::isEditing() const {
+RigEdits::Counts RigEdits::counts() const {
   const std::lock_guard lock(mutex_);
-  return state_.editing;
+  return state_;
 }
 
 RigEdits::State RigEdits::state() const {
@@ -152,6 +152,7 @@ void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
 void RigEdits::noteState() {
   if (state_.edits != session_.edits()) state_.steps = session_.history().labels();
   state_.done = session_.history().done();
+  state_.undone = state_.steps.size() - state_.done;
   state_.edits = session_.edits();
   state_.content_version = session_.contentVersion();
 }
@@ -160,7 +161,7 @@ void RigEdits::noteState() {
 // memory for the next edit. Any other error is the device's, and ends the editing.
 template <typename Change>
 bool RigEdits::tryTo(const char* what, const Change& change, Promise* promise) {
-  if (!isEditing()) return false;
+  if (!counts().editing) return false;
   try {
     change();
     return true;

@@ -56,18 +56,21 @@ class RigEdits {
   static constexpr std::size_t kMostWaiting = 256;
 
   // The state after the last look. Any thread.
-  struct State {
+  struct Counts {
     std::uint64_t edits = 0;            // made, undo and redo included
     std::uint64_t refused = 0;          // edits, undo and redo that were not made
     std::uint64_t content_version = 0;  // EditSession::contentVersion()
+    std::size_t done = 0;               // steps that can be undone
+    std::size_t undone = 0;             // and redone
+    bool editing = true;                // false: the device has failed, and nothing more is edited
+  };
+  [[nodiscard]] Counts counts() const;  // a lock, and no copy of a list
+  struct State : Counts {
     [[nodiscard]] bool canUndo() const noexcept { return done > 0; }
-    [[nodiscard]] bool canRedo() const noexcept { return done < steps.size(); }
-    std::vector<UndoLabel> steps;  // that can be undone or redone, the oldest first
-    std::size_t done = 0;          // of them, not undone
-    bool editing = true;           // false: the device has failed, and nothing more is edited
+    [[nodiscard]] bool canRedo() const noexcept { return undone > 0; }
+    std::vector<UndoLabel> steps;  // done and undone, the oldest first
   };
   [[nodiscard]] State state() const;
-  [[nodiscard]] bool isEditing() const;  // State::editing, without a copy
 
   // To be called with every new pose of the tool: does one request, the tool's edit if one is due, and a save if one is
   // due.

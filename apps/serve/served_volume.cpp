@@ -110,7 +110,7 @@ void ServedVolume::close() {
   if (thread_.joinable()) thread_.join();
   // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
   live_->edits().doWaiting(0);
-  const bool has_edits = live_->edits().state().done > 0;
+  const bool has_edits = live_->edits().counts().done > 0;
   live_->close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
   settle();
   if (failure_) std::rethrow_exception(failure_);
@@ -126,7 +126,7 @@ void ServedVolume::run() {
         try {
           feel(std::move(next), hello);
         } catch (const std::exception& error) {
-          if (!live_->edits().isEditing() || live_->engine().broken()) throw;
+          if (!live_->edits().counts().editing || live_->engine().broken()) throw;
           if (std::exchange(servos_trouble_, error.what()) != error.what()) tell_(error.what());
         }
         if (servo_) servo_->leave();
@@ -135,7 +135,7 @@ void ServedVolume::run() {
       } else {
         lookAlone();
       }
-      if (!live_->edits().isEditing())
+      if (!live_->edits().counts().editing)
         throw Error(Error::Code::kDevice, "the engine", "its device has failed, and nothing more can be edited",
                     "start it again: the edits come back from the journal");
     }
@@ -211,7 +211,7 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
   }
   servos_trouble_.clear();
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live_->name()));
-  while (rig.running() && !stop_ && live_->edits().isEditing()) {
+  while (rig.running() && !stop_ && live_->edits().counts().editing) {
     heedRefusal(rig);
     std::this_thread::sleep_for(kRigLook);
   }
@@ -257,7 +257,7 @@ bool ServedVolume::lookAround(std::int64_t) {
 }
 
 void ServedVolume::noteStatus() {
-  const RigEdits::State edits = live_->edits().state();
+  const RigEdits::Counts edits = live_->edits().counts();
   const JournalWriter* const journal = live_->session().journal();
   const std::lock_guard lock(mutex_);
   status_.waiting = written_.size();
@@ -265,7 +265,7 @@ void ServedVolume::noteStatus() {
   status_.edits = edits.edits;
   status_.refused = edits.refused;
   status_.undoable = edits.done;
-  status_.redoable = edits.steps.size() - edits.done;
+  status_.redoable = edits.undone;
   status_.unsaved = live_->isUnsaved();
   status_.journal_bytes = journal != nullptr ? journal->bytes() : 0;
   if (journal != nullptr && journal->failed()) status_.journal_failure = journal->failure();

@@ -397,7 +397,9 @@ void TouchJob::readyAlgorithm() {
 }
 
 void TouchJob::readyServo() {
-  servo_.make(run_.scene, {.path = path_->path, .box = box_, .isovalue = isovalue_, .asked = scene_, .commit = run_.commit}, *engine_);
+  servo_.make(run_.scene,
+              {.path = path_->path, .box = box_, .isovalue = isovalue_, .asked = scene_, .commit = run_.commit},
+              *engine_);
   run_.scene.stiffness_N_per_m = servo_.contact().stiffness_N_per_m;
   run_.scene.damping_Ns_per_m = servo_.contact().damping_Ns_per_m;
   for (const std::string& warning : servo_.warnings()) warn(warning);
