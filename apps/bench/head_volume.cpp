@@ -5,15 +5,14 @@
 #include <filesystem>
 #include <vector>
 
+#include "base/user_folders.hpp"
+
 namespace palpate {
 
 std::string headVolume() {
   std::vector<std::filesystem::path> places;
-  if (const char* cache = std::getenv("XDG_CACHE_HOME")) {
-    places.push_back(std::filesystem::path(cache) / "palpate/Cranium.inv3");
-  } else if (const char* home = std::getenv("HOME")) {
-    places.push_back(std::filesystem::path(home) / ".cache/palpate/Cranium.inv3");  // where ./dev demo keeps it
-  }
+  if (const std::filesystem::path cache = cacheFolder(); !cache.empty())
+    places.push_back(cache / "Cranium.inv3");  // where ./dev demo keeps it
   if (const char* data = std::getenv("PALPATE_DATA")) {
     places.push_back(std::filesystem::path(data) / "ct_head_invesalius.nrrd");
   }

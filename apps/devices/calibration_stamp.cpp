@@ -2,7 +2,6 @@
 #include "apps/devices/calibration_stamp.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,6 +12,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
+#include "base/user_folders.hpp"
 
 namespace palpate {
 namespace {
@@ -20,11 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path stampFile(const std::string& device_path) {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime == nullptr || *runtime != '/') return {};
+  const fs::path runtime = runtimeFolder();
+  if (runtime.empty()) return {};
   std::string name = device_path;
   std::ranges::replace(name, '/', '_');
-  return fs::path(runtime) / "palpate" / ("calibrated" + name);
+  return runtime / ("calibrated" + name);
 }
 
 // Of the machine's sleep [0.1 s]: a device may lose its power meanwhile, and keep its file.

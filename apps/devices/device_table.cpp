@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -13,6 +12,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/nearest_word.hpp"
+#include "base/user_folders.hpp"
 #include "base/whole_file.hpp"
 
 namespace palpate {
@@ -260,11 +260,8 @@ std::vector<DeviceKind> readDeviceKinds(std::string_view text, const std::string
 }
 
 fs::path userDeviceFolder() {
-  const char* config = std::getenv("XDG_CONFIG_HOME");
-  if (config != nullptr && *config == '/') return fs::path(config) / "palpate" / "devices";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && *home == '/') return fs::path(home) / ".config" / "palpate" / "devices";
-  return {};
+  const fs::path settings = settingsFolder();
+  return settings.empty() ? settings : settings / "devices";
 }
 
 std::vector<DeviceKind> deviceKinds(const fs::path& folder) {

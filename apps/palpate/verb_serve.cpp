@@ -12,6 +12,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/scene/flag_errors.hpp"
+#include "apps/scene/scene_file.hpp"
 #include "apps/serve/serve_job.hpp"
 #include "apps/serve/service_place.hpp"
 #include "apps/supervise/supervisor.hpp"
@@ -86,8 +87,9 @@ void addServeVerb(CLI::App& app) {
     }
     Progress progress;
     try {
+      const bool has_file = arguments->source().ends_with(kSceneExtension);
       serveScene({.scene = arguments->scene(),
-                  .read_again = [arguments] { return arguments->scene(); },
+                  .read_again = has_file ? std::function([arguments] { return arguments->scene(); }) : nullptr,
                   .socket = *socket,
                   .commit = programCommit()},
                  progress);

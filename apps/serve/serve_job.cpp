@@ -40,18 +40,15 @@ void tell(const std::string& words) {
 }
 
 void reload(const ServeRequest& request, ServedVolume& served) {
+  if (!request.read_again) return tell("no scene file was named, so there are no settings to read again");
   try {
+    const Scene wanted = request.read_again();
     std::vector<std::string> others;
-    Scene wanted = request.read_again();
-    Scene started = request.scene;
-    // What the program chose is no wish of the file's.
-    const Scene next = withLiveSettings(served.scene(), wanted, others);
-    std::vector<std::string> ignored;
-    static_cast<void>(withLiveSettings(started, wanted, ignored));
-    served.change(next);
+    served.change(withLiveSettings(served.scene(), wanted, others));
     tell("the scene's settings were read again");
-    std::erase_if(ignored, [](const std::string& key) { return isLiveKey(key); });
-    if (!ignored.empty()) tell(fmt::format("these take effect with the next start: {}", fmt::join(ignored, ", ")));
+    others.clear();
+    static_cast<void>(withLiveSettings(request.scene, wanted, others));  // held against the file as it was at the start
+    if (!others.empty()) tell(fmt::format("these take effect with the next start: {}", fmt::join(others, ", ")));
   } catch (const Error& error) {
     tell(fmt::format("the settings stay as they are: {}", error.what()));
   }

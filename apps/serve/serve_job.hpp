@@ -16,7 +16,7 @@ namespace palpate {
 
 struct ServeRequest {
   Scene scene;
-  std::function<Scene()> read_again;  // the scene as its file says now; throws Error
+  std::function<Scene()> read_again;  // the scene as its file says now; throws Error. Empty: it has no file
   std::string socket;
   std::string commit;  // of this program
 };

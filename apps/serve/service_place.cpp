@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -11,22 +10,18 @@
 #include <unistd.h>
 
 #include "base/error.hpp"
+#include "base/user_folders.hpp"
 
 namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
 
-fs::path absoluteIn(const char* variable) {
-  const char* const value = std::getenv(variable);
-  return value != nullptr && *value == '/' ? fs::path(value) : fs::path();
-}
-
 }  // namespace
 
 std::string usualSocket() {
-  const fs::path runtime = absoluteIn("XDG_RUNTIME_DIR");
-  const fs::path folder = runtime.empty() ? fs::path(fmt::format("/tmp/palpate-{}", geteuid())) : runtime / "palpate";
+  fs::path folder = runtimeFolder();
+  if (folder.empty()) folder = fmt::format("/tmp/palpate-{}", geteuid());
   return (folder / "service.sock").string();
 }
 
@@ -45,12 +40,11 @@ void makeSocketFolder(const std::string& socket) {
 }
 
 std::filesystem::path usualServiceJournal(const std::string& socket) {
-  fs::path state = absoluteIn("XDG_STATE_HOME");
-  if (state.empty() && !absoluteIn("HOME").empty()) state = absoluteIn("HOME") / ".local/state";
+  const fs::path state = stateFolder();
   if (state.empty()) return {};
   std::string name = fs::absolute(socket).lexically_normal().string();
   std::ranges::replace(name, '/', '_');
-  return state / "palpate/services" / name;
+  return state / "services" / name;
 }
 
 }  // namespace palpate

@@ -11,10 +11,10 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/held/held_device.hpp"
-#include "apps/sculpt/user_folders.hpp"
 #include "apps/window/questions.hpp"
 #include "apps/window/sculpt_window.hpp"
 #include "base/error.hpp"
+#include "base/user_folders.hpp"
 
 namespace palpate {
 namespace {
@@ -90,7 +90,8 @@ void runWindow(const SculptRequest& asked) {
   request.device.rate_hz = request.loop.rate_hz;
   // Once for all volumes: what it knows of its calibration is kept, and lost when it is unplugged.
   if (isHeld(request.device)) request.held = openHeldDevice(request.device);
-  const std::filesystem::path folder = settingsFolder(), journals = journalsFolder();
+  const std::filesystem::path folder = settingsFolder(), state = stateFolder();
+  const std::filesystem::path journals = state.empty() ? state : state / "journals";
   const std::filesystem::path file = folder.empty() ? folder : folder / "sculpt.json";
   std::string remark;
   SculptSettings settings = readSettings(file, remark);

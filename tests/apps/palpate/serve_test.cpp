@@ -282,6 +282,18 @@ TEST_F(Serve, ReadsItsSceneAgain) {
   EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 11"));
 }
 
+// Without a file there is nothing to read, and what clients have set stays.
+TEST_F(Serve, HasNothingToReadAgainWithoutAFile) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"set", "servo.n", "9"}));
+  engine.send(SIGHUP);
+  for (int look = 0; look < 100 && contentsOf(file("serve.log")).find("read again") == std::string::npos; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("no scene file was named"));
+  EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 9"));
+}
+
 // Whatever clients send, or do not, the service goes on for the others. Its socket is the user's alone.
 TEST_F(Serve, IsNotHeldUpByBadClients) {
   serve({kSphere});

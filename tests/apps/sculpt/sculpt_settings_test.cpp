@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "apps/sculpt/user_folders.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -103,39 +102,6 @@ TEST(SculptSettings, RememberTheNewestVolumesOnce) {
   EXPECT_EQ(settings.recent.front(), "5");
   EXPECT_EQ(settings.recent[1], "10");
   EXPECT_EQ(settings.recent.size(), SculptSettings::kMostRecent);
-}
-
-// A variable for the length of a test.
-class Variable {
- public:
-  Variable(const char* name, const char* value) : name_(name) {
-    if (const char* was = std::getenv(name)) was_ = was;
-    value == nullptr ? unsetenv(name) : setenv(name, value, 1);
-  }
-  ~Variable() { was_ ? setenv(name_, was_->c_str(), 1) : unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> was_;
-};
-
-TEST(UserFolders, FollowTheVariablesOfTheDesktop) {
-  const Variable home("HOME", "/home/somebody");
-  {
-    const Variable config("XDG_CONFIG_HOME", "/c"), state("XDG_STATE_HOME", "/s");
-    EXPECT_EQ(settingsFolder(), "/c/palpate");
-    EXPECT_EQ(journalsFolder(), "/s/palpate/journals");
-  }
-  for (const char* unset : {static_cast<const char*>(nullptr), "", "relative"}) {
-    const Variable config("XDG_CONFIG_HOME", unset), state("XDG_STATE_HOME", unset);
-    EXPECT_EQ(settingsFolder(), "/home/somebody/.config/palpate");
-    EXPECT_EQ(journalsFolder(), "/home/somebody/.local/state/palpate/journals");
-    const Variable nobody("HOME", nullptr);
-    EXPECT_EQ(settingsFolder(), "");
-    EXPECT_EQ(journalsFolder(), "");
-  }
 }
 
 }  // namespace sculpt_settings_test

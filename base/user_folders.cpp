@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/sculpt/user_folders.hpp"
+#include "base/user_folders.hpp"
 
 #include <cstdlib>
 
@@ -7,7 +7,7 @@ namespace palpate {
 namespace {
 
 std::filesystem::path absolutePathIn(const char* variable) {
-  const char* value = std::getenv(variable);
+  const char* const value = std::getenv(variable);
   if (value == nullptr) return {};
   std::filesystem::path path(value);
   return path.is_absolute() ? path : std::filesystem::path();
@@ -25,10 +25,15 @@ std::filesystem::path folder(const char* variable, const char* below_home) {
 std::filesystem::path settingsFolder() {
   return folder("XDG_CONFIG_HOME", ".config");
 }
-
-std::filesystem::path journalsFolder() {
-  const std::filesystem::path state = folder("XDG_STATE_HOME", ".local/state");
-  return state.empty() ? state : state / "journals";
+std::filesystem::path stateFolder() {
+  return folder("XDG_STATE_HOME", ".local/state");
+}
+std::filesystem::path cacheFolder() {
+  return folder("XDG_CACHE_HOME", ".cache");
+}
+std::filesystem::path runtimeFolder() {
+  const std::filesystem::path runtime = absolutePathIn("XDG_RUNTIME_DIR");
+  return runtime.empty() ? runtime : runtime / "palpate";
 }
 
 }  // namespace palpate
