@@ -31,7 +31,7 @@ constexpr int kLong_ms = 24 * 3'600'000;  // a large volume on a slow disk
 struct CtlArguments {
   std::string socket = usualSocket();
   Words words;
-  std::string file;
+  std::string file, key, value;
   int width = 1280, height = 720;
 };
 
@@ -48,6 +48,7 @@ CLI::App* addAsking(
     CLI::App& ctl, const std::shared_ptr<CtlArguments>& arguments, const char* name, const char* help, wire::Verb verb,
     const std::function<Words(const CtlArguments&)>& words = [](const CtlArguments&) { return Words{}; }) {
   CLI::App* const sub = ctl.add_subcommand(name, help);
+  sub->fallthrough();  // takes --socket, too
   sub->callback([arguments, verb, words] {
     tellAnswer(ServiceClient(arguments->socket).ask(verb, words(*arguments), kLong_ms));
   });
@@ -84,10 +85,12 @@ void addCtlVerb(CLI::App& app) {
   addAsking(*ctl, arguments, "export", "write the isosurface as a mesh", wire::Verb::Save, file)
       ->add_option("file", arguments->file, "as skull.stl")
       ->required();
-  addAsking(*ctl, arguments, "set", "change a setting while it is served (docs/service.md)", wire::Verb::Set, words)
-      ->add_option("setting", arguments->words, "key and value, as servo.stiffness_N_per_m 800")
-      ->required()
-      ->expected(2);
+  CLI::App* const set = addAsking(*ctl, arguments, "set", "change a setting while it is served (docs/service.md)",
+                                  wire::Verb::Set, [](const CtlArguments& a) {
+                                    return Words{a.key, a.value};
+                                  });
+  set->add_option("key", arguments->key, "as servo.stiffness_N_per_m")->required();
+  set->add_option("value", arguments->value, "as 800, in the unit that the key names")->required();
   addAsking(*ctl, arguments, "get", "print settings", wire::Verb::Get, words)
       ->add_option("keys", arguments->words, "all if none is named");
   CLI::App* const render = addAsking(
@@ -98,10 +101,12 @@ void addCtlVerb(CLI::App& app) {
   render->add_option("--width", arguments->width, "[pixel]")->capture_default_str();
   render->add_option("--height", arguments->height, "[pixel]")->capture_default_str();
   CLI::App* const status = ctl->add_subcommand("status", "print how the service is, as JSON");
+  status->fallthrough();
   status->callback(
       [arguments] { printText(figuresOf(ServiceClient(arguments->socket).ask(wire::Verb::Status)).dump(2) + "\n"); });
   CLI::App* const metrics =
       ctl->add_subcommand("metrics", "print the same as Prometheus' text, for its textfile collector");
+  metrics->fallthrough();
   metrics->callback([arguments] {
     for (const auto& [key, value] : ServiceClient(arguments->socket).ask(wire::Verb::Status).figures)
       printText(fmt::format("# TYPE palpate_{0} gauge\npalpate_{0} {1}\n", key, value));
@@ -123,7 +128,7 @@ void addTopVerb(CLI::App& app) {
       ->check(numberFrom(0.05, 3600));
   verb->add_option("--count", arguments->count, "looks, then it ends; 0: until Ctrl-C")
       ->capture_default_str()
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0, 1e9));
   verb->callback([arguments] {
     ServiceClient client(arguments->socket);
     double last_tick = -1;

@@ -60,6 +60,9 @@ TEST_F(Serve, RefusesWithWords) {
     expectRefusal(ctl(words), input, why, status);
   };
   refused({"status"}, "service.sock", "no service listens there", 3);
+  refused({"status", "--socket", "other.sock"}, "other.sock", "no service listens there", 3);
+  refused({"set", "servo.n"}, "value", "");
+  expectRefusal(run({"top", "--count", "x"}), "--count", "'x' is no number from 0 to 1e+09", 2);
   serve({kSphere});
   ASSERT_TRUE(awaitService());
   refused({"undo"}, "undo", "there is no edit to undo");
