@@ -6,6 +6,7 @@
 
 #include "engine/draw/draw_push.hpp"
 #include "engine/draw/drawing.hpp"
+#include "engine/draw/picture_image.hpp"
 
 namespace palpate {
 namespace {

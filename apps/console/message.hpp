@@ -14,8 +14,18 @@
 
 namespace palpate {
 
-// "palpate: TEXT" as a line of its own on standard error; control characters become '?'.
+// "palpate: TEXT" as a line of its own on standard error; control characters become '?'. Or, for programs that read
+// messages, an object of JSON: {"time": "2026-01-31T12:00:00.000Z", "level": "info", "program": "palpate", "pid": 4711,
+// "message": "TEXT"}.
 void tellUser(std::string_view text) noexcept;
+// The same with the level "error": what ends the program.
+void tellError(std::string_view text) noexcept;
+
+// Which of the two it is, from now on and in every program that this one starts: "text" or "json", from the environment
+// variable PALPATE_LOG at first. To be called before there are threads.
+enum class MessageForm { kText, kJson };
+void setMessageForm(MessageForm form);
+[[nodiscard]] bool messagesAreJson() noexcept;
 
 // The text as it is, flushed.
 void writeMessage(std::FILE* stream, std::string_view text) noexcept;

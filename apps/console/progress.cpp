@@ -13,7 +13,9 @@
 namespace palpate {
 
 Progress::Progress(std::FILE* stream, double every_s)
-    : stream_(stream), terminal_(stream != nullptr && isatty(fileno(stream)) == 1), every_s_(every_s) {}
+    : stream_(messagesAreJson() ? nullptr : stream),
+      terminal_(stream_ != nullptr && isatty(fileno(stream_)) == 1),
+      every_s_(every_s) {}
 
 Progress::~Progress() {
   done();

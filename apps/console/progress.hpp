@@ -16,7 +16,7 @@ namespace palpate {
 class Progress {
  public:
   // `every_s`: interval between lines of a long stage where there is no terminal [s].
-  // Without a stream nothing is shown.
+  // Without a stream nothing is shown, nor where messages are for programs (messagesAreJson()).
   explicit Progress(std::FILE* stream = stderr, double every_s = 5);
   // Calls `tell` for every stage and fraction instead, which may throw to cancel.
   using Tell = std::function<void(const std::string& stage, double done)>;

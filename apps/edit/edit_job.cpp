@@ -206,9 +206,7 @@ class Job {
     if (isStamp(text.command.kind)) {
       meshes_.insert(text.mesh_file);
       checkReadOnly(text.mesh_file, request_);
-      // One that is not above the isovalue is refused when the edit is applied.
-      const double object = std::max(text.command.object.value_or(profile_.object), profile_.object);
-      text.command.stamp = stamps_.stampOf(text.mesh_file, text.metres_per_unit, object);
+      text.command.stamp = stamps_.stampOf(text);
     }
     return withMirror(text.command, text.mirror_axis, volume_.size(), volume_.lattice());
   }

@@ -55,6 +55,12 @@ void StampFiles::forget() {
   }
 }
 
+// An object density that is not above the isovalue is refused when the edit is applied.
+std::shared_ptr<const Stamp> StampFiles::stampOf(const EditText& edit) {
+  const double object = std::max(edit.command.object.value_or(profile_.object), profile_.object);
+  return stampOf(edit.mesh_file, edit.metres_per_unit, object);
+}
+
 std::shared_ptr<const Stamp> StampFiles::stampOf(const std::string& file, double metres_per_unit, double object) {
   const double depth_m = rampDepth(profile_, object);
   const auto known = std::find_if(kept_.begin(), kept_.end(), [&](const Kept& kept) {

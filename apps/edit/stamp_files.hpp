@@ -8,6 +8,7 @@
 
 #include "engine/edit/brush_profile.hpp"
 #include "engine/edit/edit_command.hpp"
+#include "engine/edit/edit_text.hpp"
 
 namespace palpate {
 
@@ -19,6 +20,8 @@ class StampFiles {
   // than kMaxMeshVoxels along an axis. Inside, it reaches as deep as the ramp (rampDepth() for `object` [density]).
   // Throws as readMeshFile() and prepareMesh() do, and Error(kBadInput) for a mesh that is not closed.
   [[nodiscard]] std::shared_ptr<const Stamp> stampOf(const std::string& file, double metres_per_unit, double object);
+  // Of an edit that was read from text, whose mesh_file is not empty.
+  [[nodiscard]] std::shared_ptr<const Stamp> stampOf(const EditText& edit);
 
  private:
   struct Kept {

@@ -31,6 +31,17 @@ void removeJournal(const std::filesystem::path& folder) {
   std::filesystem::remove(folder, ignored);
 }
 
+Journal journalOf(const LiveVolumeRequest& request, const Volume& volume) {
+  try {
+    Journal journal = readJournal(request.recovers);
+    checkStart(journal, volume, request.volume);
+    return journal;
+  } catch (const Error& error) {
+    if (request.recovers_else.empty()) throw;
+    throw Error(error.code(), error.input(), error.reason(), request.recovers_else);
+  }
+}
+
 }  // namespace
 
 LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tell tell)
@@ -41,8 +52,7 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   checkTouchable(*volume_);
   std::optional<Journal> journal;
   if (!request.recovers.empty()) {
-    journal = readJournal(request.recovers);
-    checkStart(*journal, *volume_, request.volume);
+    journal = journalOf(request, *volume_);
     first_isovalue_ = journal->header.profile.isovalue;
   } else {
     first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));

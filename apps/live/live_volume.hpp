@@ -33,6 +33,7 @@ struct LiveVolumeRequest {
   Plan plan = {};                        // which allows edits
   std::filesystem::path journal = {};    // folder for the journal; empty: none
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
+  std::string recovers_else = {};        // what to do if that cannot be; empty: what the journal's reader says
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
   std::string work = {};                 // names the verb in messages: "palpate sculpt"
 };
@@ -54,6 +55,7 @@ class LiveVolume {
   [[nodiscard]] Engine& engine() noexcept { return *engine_; }
   [[nodiscard]] const Engine& engine() const noexcept { return *engine_; }
   [[nodiscard]] EditSession& session() noexcept { return *session_; }
+  [[nodiscard]] const EditSession& session() const noexcept { return *session_; }
   [[nodiscard]] RigEdits& edits() noexcept { return *edits_; }
   [[nodiscard]] const RigEdits& edits() const noexcept { return *edits_; }
 

@@ -133,7 +133,7 @@ int runProgram(int argc, char** argv, void (*addVerbs)(CLI::App&)) {
     ending = {exitStatus(error.code()), error.what()};
   }
   palpate::endOfWork(ending.status);
-  if (!ending.message.empty()) palpate::tellUser(ending.message);
+  if (!ending.message.empty()) palpate::tellError(ending.message);
   return validated(flushed(ending.status));
 }
 

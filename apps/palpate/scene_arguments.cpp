@@ -21,11 +21,13 @@ std::string shellWord(const std::string& word) {
   return quoted + "'";
 }
 
-SceneArguments::SceneArguments(CLI::App& verb) : values_(sceneOptions().size()) {
+SceneArguments::SceneArguments(CLI::App& verb, Of of) : values_(sceneOptions().size()) {
   verb.add_option("source", source_, "volume (file, DICOM folder, 'phantom:NAME?size=64') or scene file (.toml)")
       ->type_name("VOLUME|SCENE.toml");
   for (std::size_t i = 0; i < values_.size(); ++i) {
-    options_.push_back(addSceneFlag(verb, sceneOptions()[i], values_[i]));
+    const SceneOption& option = sceneOptions()[i];
+    const bool has_flag = of == Of::kService || !std::string_view(option.key).starts_with("service.");
+    options_.push_back(has_flag ? addSceneFlag(verb, option, values_[i]) : nullptr);
   }
   verb.add_option("--object", objects_, objectHelp())
       ->type_name(" ")
@@ -42,7 +44,7 @@ Scene SceneArguments::scene() const {
   }
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
-    if (options_[i]->count() > 0) setOption(option.value, values_[i], option.flag, scene, option.unit);
+    if (isGiven(i)) setOption(option.value, values_[i], option.flag, scene, option.unit);
   }
   for (const std::string& object : objects_) scene.objects.push_back(parseObject(object));
   if (scene.volume.empty()) {
@@ -68,7 +70,7 @@ void SceneArguments::checkNotRead(const Scene& scene, const std::string& output)
 std::vector<std::string> SceneArguments::givenFlags() const {
   std::vector<std::string> flags;
   for (std::size_t i = 0; i < options_.size(); ++i) {
-    if (options_[i]->count() > 0) flags.emplace_back(sceneOptions()[i].flag);
+    if (isGiven(i)) flags.emplace_back(sceneOptions()[i].flag);
   }
   return flags;
 }
@@ -97,7 +99,7 @@ std::string SceneArguments::commandLine(const std::string& verb, const Scene& sc
     const bool is_journal = optionOfKey("edit.journal") == &sceneOptions()[i];
     if (is_journal && !scene.journal.empty()) {
       line += " --journal " + shellWord(nextFreeName(scene.journal));
-    } else if (options_[i]->count() > 0) {
+    } else if (isGiven(i)) {
       line += std::string(" ") + sceneOptions()[i].flag;
       if (!isBare(sceneOptions()[i].value)) line += " " + shellWord(values_[i]);
     }

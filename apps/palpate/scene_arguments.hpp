@@ -20,8 +20,10 @@ namespace palpate {
 
 class SceneArguments {
  public:
-  // Adds the positional argument and all scene flags to the verb. This object must outlive parsing.
-  explicit SceneArguments(CLI::App& verb);
+  // Adds the positional argument and the scene's flags to the verb: a run's, or a service's, which are more. This
+  // object must outlive parsing.
+  enum class Of { kRun, kService };
+  explicit SceneArguments(CLI::App& verb, Of of = Of::kRun);
 
   // Defaults, overridden by the scene file, overridden by flags. Throws Error for invalid values and if no volume is
   // named.
@@ -42,10 +44,12 @@ class SceneArguments {
   [[nodiscard]] std::string commandLine(const std::string& verb, const Scene& scene) const;
 
  private:
-  std::string source_;               // volume, or scene file if it ends in .toml
-  std::vector<std::string> values_;  // as given, by row of the option table
-  std::vector<CLI::Option*> options_;
-  std::vector<std::string> objects_;  // --object, as given
+  [[nodiscard]] bool isGiven(std::size_t row) const { return options_[row] != nullptr && options_[row]->count() > 0; }
+
+  std::string source_;                 // volume, or scene file if it ends in .toml
+  std::vector<std::string> values_;    // as given, by row of the option table
+  std::vector<CLI::Option*> options_;  // null: no flag of this verb
+  std::vector<std::string> objects_;   // --object, as given
 };
 
 }  // namespace palpate

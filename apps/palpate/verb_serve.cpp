@@ -10,11 +10,14 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/scene/flag_errors.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "apps/serve/serve_job.hpp"
+#include "apps/serve/served_engine.hpp"
 #include "apps/serve/service_place.hpp"
+#include "apps/servo_side/servo_process.hpp"
 #include "apps/supervise/supervisor.hpp"
 #include "base/error.hpp"
 #include "scene_arguments.hpp"
@@ -31,16 +34,13 @@ std::filesystem::path thisProgram() {
   return std::filesystem::read_symlink("/proc/self/exe", unknown);
 }
 
-std::filesystem::path servoProgram() {
-  return thisProgram().parent_path() / "palpate-servo";
-}
-
 // The words of this command, without the one that asked for a supervisor.
 std::vector<std::string> ownCommand() {
   std::ifstream file("/proc/self/cmdline", std::ios::binary);
   std::vector<std::string> words;
   for (std::string word; std::getline(file, word, '\0');)
-    if (words.empty() || word != kSupervise) words.push_back(word);
+    if (words.empty() || (word != kSupervise && !word.starts_with(fmt::format("{}=", kSupervise))))
+      words.push_back(word);
   words.at(0) = thisProgram().string();
   return words;
 }
@@ -75,22 +75,21 @@ void addServeVerb(CLI::App& app) {
   verb->footer(
       "Another terminal: palpate servo --connect SOCKET; palpate ctl edit ...; docs/service.md\n"
       "Example: palpate serve 'phantom:knot?size=64' --supervise");
-  auto arguments = std::make_shared<SceneArguments>(*verb);
-  auto socket = std::make_shared<std::string>(usualSocket());
-  verb->add_option("--socket", *socket, "where servo and clients connect")->capture_default_str()->check(notEmpty);
+  auto arguments = std::make_shared<SceneArguments>(*verb, SceneArguments::Of::kService);
   auto supervised = std::make_shared<bool>(false);
   verb->add_flag(kSupervise, *supervised, "start a servo, too, and start either again when it dies");
-  verb->callback([arguments, socket, supervised] {
-    if (*supervised) {
-      static_cast<void>(arguments->scene());  // its errors are told once
-      return superviseBoth(*socket);
-    }
-    Progress progress;
+  verb->callback([arguments, supervised] {
     try {
+      const Scene scene = arguments->scene();
+      if (scene.service_log == "json") setMessageForm(MessageForm::kJson);
+      if (*supervised) {
+        checkServable(scene);  // its errors are told once
+        return superviseBoth(socketOf(scene));
+      }
+      Progress progress;
       const bool has_file = arguments->source().ends_with(kSceneExtension);
-      serveScene({.scene = arguments->scene(),
+      serveScene({.scene = scene,
                   .read_again = has_file ? std::function([arguments] { return arguments->scene(); }) : nullptr,
-                  .socket = *socket,
                   .commit = programCommit()},
                  progress);
     } catch (const Error& error) {
@@ -105,7 +104,7 @@ void addServoVerb(CLI::App& app) {
       "It stays when the service ends: the force fades, and it goes on with the next one. SIGTERM ends it.\n"
       "Example: palpate servo --connect /run/user/1000/palpate/service.sock");
   auto socket = std::make_shared<std::string>(usualSocket());
-  verb->add_option("--connect", *socket, "the socket of the service")->capture_default_str()->check(notEmpty);
+  verb->add_option("--connect,--socket", *socket, "the socket of the service")->capture_default_str()->check(notEmpty);
   verb->callback([socket] { becomeServo(*socket); });
 }
 

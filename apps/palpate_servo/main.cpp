@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   } catch (const palpate::Error& error) {  // the engine has been told, or is not there
     return palpate::exitStatus(error.code());
   } catch (const std::exception& error) {
-    palpate::tellUser(error.what());
+    palpate::tellError(error.what());
     return kUnexpected;
   }
 }

@@ -8,6 +8,11 @@
 #include "engine/service/engine.hpp"
 
 namespace palpate {
+namespace {
+
+constexpr std::uint64_t kNoPieces = ~std::uint64_t{0};  // of a picture that nothing was handed over of
+
+}  // namespace
 
 LiveView::LiveView(double frame_s, double piece_s)
     : frame_ns_(static_cast<std::int64_t>(1e9 * frame_s)), piece_s_(piece_s) {}
@@ -21,6 +26,12 @@ void LiveView::show(const ViewRequest& request) {
 std::string LiveView::failure() const {
   const std::scoped_lock lock(mutex_);
   return failure_;
+}
+
+void LiveView::rest() noexcept {
+  shown_.reset();
+  pieces_ = kNoPieces;
+  whole_ = false;
 }
 
 bool LiveView::look(Engine& engine, std::int64_t now_ns) noexcept {

@@ -9,7 +9,7 @@
 // Another isovalue, or a style that was not drawn before, is made ready at once, and no window comes meanwhile: some
 // ten milliseconds for a CT head, and longer where the driver compiles.
 //
-// Threads: show() from any thread, latest() from one reader, look() from the engine's thread. No call waits for another
+// Threads: show() from any thread, latest() from one reader, look() and rest() from the engine's thread. No call waits for another
 // but for the length of a copied request.
 #pragma once
 
@@ -59,6 +59,9 @@ class LiveView {
   // Why nothing is drawn any more, or why the last request is not shown; empty: it is. The servo goes on.
   [[nodiscard]] std::string failure() const;
 
+  // Engine's thread: nothing is to be seen any more, so nothing is drawn until the next request. Then the first frame
+  // comes anew, whatever was drawn before.
+  void rest() noexcept;
   // Engine's thread, at every look at the tool: takes requests, submits work, hands over frames. Returns whether there
   // is more to draw, so that the thread should look again soon. Never throws: a failure ends the drawing.
   bool look(Engine& engine, std::int64_t now_ns) noexcept;

@@ -42,10 +42,8 @@ bool RigEdits::askFor(const char* what, Done done, std::function<void(std::int64
             what, [&] { change(now_ns); }, promise.get()))
       promise->keep({});
   });
-  if (!asked) {
-    promise->keep(Error(Error::Code::kOutOfMemory, what, "too many edits wait, or editing has ended",
-                        "ask again when others are done"));
-  }
+  if (!asked && counts().editing)
+    promise->keep(Error(Error::Code::kOutOfMemory, what, "too many edits wait", "ask again when others are done"));
   return asked;
 }
 

@@ -75,16 +75,20 @@ TouchRig::~TouchRig() {
   requestStop();
 }
 
+void checkHasGradients(const std::string& algorithm, bool gradient_everywhere) {
+  if (algorithmEntry(algorithm).needs.gradient_everywhere && !gradient_everywhere) {
+    refuse(algorithm, "it reads gradients everywhere, and those on the device lie around the isosurface",
+           "start anew with all gradients (--gradient all)");
+  }
+}
+
 std::unique_ptr<Algorithm> TouchRig::algorithmFor(const RigSettings& settings) const {
   if (settings.parameters.rate_hz != rate_hz_) {
     refuse(fmt::format("rate {:g} Hz", settings.parameters.rate_hz), fmt::format("the servo runs at {:g} Hz", rate_hz_),
            "start anew with the other rate");
   }
+  checkHasGradients(settings.algorithm, engine_.gradientEverywhere());
   const AlgorithmNeeds& needs = algorithmEntry(settings.algorithm).needs;
-  if (needs.gradient_everywhere && !engine_.gradientEverywhere()) {
-    refuse(settings.algorithm, "it reads gradients everywhere, and those on the device lie around the isosurface",
-           "start anew with all gradients");
-  }
   if (needs.isosurface_mesh && settings.parameters.isovalue != first_isovalue_) {
     refuse(fmt::format("{} at isovalue {:g}", settings.algorithm, settings.parameters.isovalue),
            fmt::format("its mesh is that of {:g}", first_isovalue_), "start anew with the other isovalue");
@@ -165,6 +169,11 @@ void TouchRig::change(const RigSettings& settings) {
 RigSettings TouchRig::settings() const {
   const std::lock_guard lock(mutex_);
   return settings_;
+}
+
+bool TouchRig::isSettled() const {
+  const std::lock_guard lock(mutex_);
+  return settings_ == given_;
 }
 
 std::optional<Error> TouchRig::takeRefusal() {

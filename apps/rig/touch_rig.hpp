@@ -32,6 +32,9 @@ namespace palpate {
 
 [[nodiscard]] DensityScale densityScaleOf(const Volume& volume, double isovalue);
 
+// Throws Error(kBadInput) for an algorithm that reads gradients where none are.
+void checkHasGradients(const std::string& algorithm, bool gradient_everywhere);
+
 class TouchRig {
  public:
   using Follow = std::function<void(const ToolPose& pose, std::int64_t now_ns)>;
@@ -69,6 +72,8 @@ class TouchRig {
   // isovalue than the first.
   void change(const RigSettings& settings);
   [[nodiscard]] RigSettings settings() const;
+  // The servo has been given all that change() asked for: no isovalue waits for its gradients.
+  [[nodiscard]] bool isSettled() const;
   // Why the engine refused an isovalue since the last call (Engine::beginIsovalue); empty if it did not. After a
   // refusal settings() returns the servo's settings again, unless another isovalue was requested since.
   [[nodiscard]] std::optional<Error> takeRefusal();

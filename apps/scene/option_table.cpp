@@ -61,6 +61,7 @@ IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
 
 constexpr const char* kVelocities[] = {"filter", "foaw"};
 constexpr const char* kFields[] = {"density", "distance"};
+constexpr const char* kLogs[] = {"text", "json"};
 constexpr const char* kSampleForms[] = {"float", "half"};
 constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
@@ -172,6 +173,10 @@ const SceneOption kOptions[] = {
     {"--journal", "edit.journal", "", "folder in which every edit is kept on disk as it goes, for 'palpate recover'", TextOption{&Scene::journal, false}},
     {"--save", "edit.save", "", "file in which the edited volume is saved beside the run, in a format that `palpate convert` writes", TextOption{&Scene::save, false}},
     {"--save-every", "edit.save_every_s", "s", "time between two saves, 0: one at the end of the run", number(&Scene::save_every_s, 1, 0, 86400)},
+    {"--socket", "service.socket", "", "where servo and clients connect to 'palpate serve'; if not given service.sock in the runtime folder", TextOption{&Scene::service_socket}},
+    {"--metrics-socket", "service.metrics_socket", "", "a socket at which the metrics of 'palpate serve' are read by HTTP, in Prometheus' form; none if not given", TextOption{&Scene::service_metrics_socket}},
+    {"--log", "service.log", "", "messages of 'palpate serve' as text, or each as an object of JSON on a line of its own",
+     WordOption{&Scene::service_log, kLogs}},
     {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},
     {"--trace", "output.trace", "", "write trace.csv", SwitchOption{&Scene::trace, "off", "on"}},
     {"--stopped-trace", "output.stopped_trace_ticks", "ticks", "a run that is stopped leaves trace.csv out above so many", integer(&Scene::stopped_trace_ticks, 0, 1'000'000'000)},
@@ -206,6 +211,7 @@ const char* optionGroup(const SceneOption& option) {
                                       {"device", "Device"},
                                       {"path", "The tool's path"},
                                       {"edit", "Edits"},
+                                      {"service", "Service"},
                                       {"output", "Output"}};
   const std::string_view key = option.key;
   const std::size_t dot = key.find('.');

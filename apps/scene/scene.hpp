@@ -113,6 +113,10 @@ struct Scene {
   std::string journal;      // folder of the journal, which keeps edits as they are made; empty: none
   std::string save;         // file for the edited volume; empty: none
   double save_every_s = 0;  // interval between saves; 0: only at the end of the run [s]
+  // service; of `palpate serve` alone
+  std::string service_socket;          // where servo and clients connect; empty: the usual place
+  std::string service_metrics_socket;  // where metrics are read by HTTP; empty: nowhere
+  std::string service_log = "text";    // or "json": how messages look
   // output
   std::string out = "out";
   bool trace = true;                  // write trace.csv

@@ -75,13 +75,14 @@ ClientDesk::ClientDesk(Listener listener, ServedVolume& served, Tell tell)
     : served_(served),
       tell_(std::move(tell)),
       listener_(std::move(listener)),
-      waker_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+      waker_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      stamps_(served.lattice(), served.profile()),
+      preparer_("preparer"),
+      packer_("packer") {
   if (!waker_)
     throw Error(Error::Code::kIo, listener_.path(), fmt::format("nothing can wake it ({})", std::strerror(errno)),
                 "raise the limit of open files (ulimit -n)");
 }
-
-ClientDesk::~ClientDesk() = default;
 
 void ClientDesk::wake() const noexcept {
   const std::uint64_t one = 1;
@@ -106,6 +107,7 @@ bool ClientDesk::round(int most_ms) {
     client = clients_.erase(client);
   }
   accept();
+  client_count_.store(clients_.size());
   sendReady();
   return !leaves_;
 }
@@ -196,7 +198,7 @@ void ClientDesk::sendReady() {
     ready.swap(ready_);
   }
   for (const Ready& one : ready) {
-    const std::vector<std::byte> bytes = encodedAnswer(one);  // also for one who has left: a picture is written
+    const std::vector<std::byte> bytes = encodedAnswer(one);
     const auto client = std::ranges::find(clients_, one.client, &Client::number);
     if (client == clients_.end()) continue;
     if (client->open > 0) --client->open;
@@ -216,6 +218,8 @@ std::vector<std::byte> ClientDesk::encodedAnswer(const Ready& one) {
 }
 
 void ClientDesk::flush() {
+  preparer_.finish();
+  packer_.finish();
   sendReady();
 }
 
@@ -228,21 +232,35 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
       return done({}, settingsText(served_.scene(), ask.words));
     case wire::Verb::Set: {
       checkWords(ask, 2, 2);
-      served_.change(withLiveSetting(served_.scene(), ask.words[0], ask.words[1]));
-      return done({}, settingsText(served_.scene(), std::span(ask.words).first(1)));
+      const std::string key = ask.words[0];
+      return served_.change(withLiveSetting(served_.scene(), key, ask.words[1]),
+                            [this, done, key](const std::optional<Error>& refusal) {
+                              done(refusal, refusal ? "" : settingsText(served_.scene(), std::span(&key, 1)));
+                            });
     }
     case wire::Verb::Edit:
       return askForEdit(ask, done);
     case wire::Verb::Undo:
-      return served_.undo([done](const std::optional<Error>& refusal) { done(refusal, "undone"); });
+      return inOrder(done, [this, done] {
+        served_.undo([done](const std::optional<Error>& refusal) { done(refusal, "undone"); });
+      });
     case wire::Verb::Redo:
-      return served_.redo([done](const std::optional<Error>& refusal) { done(refusal, "redone"); });
+      return inOrder(done, [this, done] {
+        served_.redo([done](const std::optional<Error>& refusal) { done(refusal, "redone"); });
+      });
     case wire::Verb::Save:
       checkWords(ask, 1, 1);
       checkAbsolute(ask.words[0]);
-      return served_.save(ask.words[0], [done](const LiveVolume::Saved& saved) {
-        if (saved.written) return done({}, saved.words);
-        done(Error(Error::Code::kIo, "the volume", saved.words, "see that there is room, and ask again"), {});
+      return inOrder(done, [this, done, file = ask.words[0]] {
+        served_.save(file, [done](const LiveVolume::Saved& saved) {
+          if (saved.written) return done({}, saved.words);
+          done(Error(Error::Code::kIo, "the volume", saved.words, "see that there is room, and ask again"), {});
+        });
+      });
+    case wire::Verb::Filter:
+      checkWords(ask, 1, 1);
+      return served_.filter(ask.words[0], [done, chain = ask.words[0]](const std::optional<Error>& refusal) {
+        done(refusal, chain.empty() ? "felt as it is, without filters" : "felt through " + chain);
       });
     case wire::Verb::Render:
       return askForPicture(ask, client);
@@ -253,20 +271,47 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
   refuse("the question", "this program does not know it", "start programs of the same version of Palpate");
 }
 
+// What is asked for after an edit whose mesh is still being read waits for it.
+void ClientDesk::inOrder(const Answer& done, const std::function<void()>& request, Takes takes) {
+  if (takes == Takes::kNoTime && preparer_.idle()) return request();
+  preparer_.add([done, request] {
+    try {
+      request();
+    } catch (const Error& error) {
+      done(error, {});
+    } catch (const std::exception& error) {
+      done(Error(Error::Code::kOutOfMemory, "the question", error.what(), "ask for less"), {});
+    }
+  });
+}
+
 void ClientDesk::askForEdit(const wire::AskT& ask, const Answer& done) {
   checkWords(ask, 1, kMostEdits);
-  std::vector<EditCommand> commands;
+  bool has_mesh = false;
   for (const std::string& word : ask.words) {
     const EditText text = editText(word, EditUse::kPlaced, word);
-    if (text.verb != EditText::Verb::kEdit || !text.mesh_file.empty())
-      refuse(word, "it is not an edit of one place without a mesh",
-             "ask for undo and redo with their own verbs; stamp with 'palpate edit'");
+    if (text.verb != EditText::Verb::kEdit)
+      refuse(word, "it is not an edit of one place", "ask for undo and redo with their own verbs");
+    if (text.mesh_file.empty()) continue;
+    checkAbsolute(text.mesh_file);
+    has_mesh = true;
+  }
+  inOrder(
+      done, [this, words = ask.words, done] { edit(words, done); }, has_mesh ? Takes::kLong : Takes::kNoTime);
+}
+
+void ClientDesk::edit(const std::vector<std::string>& words, const Answer& done) {
+  std::vector<EditCommand> commands;
+  for (const std::string& word : words) {
+    EditText text = editText(word, EditUse::kPlaced, word);
+    if (!text.mesh_file.empty()) text.command.stamp = stamps_.stampOf(text);
     for (EditCommand& command : withMirror(text.command, text.mirror_axis, served_.size(), served_.lattice()))
       commands.push_back(std::move(command));
   }
   const std::size_t count = commands.size();
-  served_.edit(std::move(commands), [done, count](const std::optional<Error>& refusal) {
-    done(refusal, fmt::format("{} edit{} made, and on the disk", count, count == 1 ? "" : "s"));
+  served_.edit(std::move(commands), [this, done, count](const std::optional<Error>& refusal) {
+    done(refusal, fmt::format("{} edit{} made{}", count, count == 1 ? "" : "s",
+                              served_.keepsJournal() ? ", and on the disk" : ""));
   });
 }
 
@@ -283,44 +328,33 @@ void ClientDesk::askForPicture(const wire::AskT& ask, const Client& client) {
       width, height,
       [this, file, number = client.number, asked = ask.number](RenderedImage image, const std::string& failure) {
         const auto kept = std::make_shared<const RenderedImage>(std::move(image));
-        answer(number, [file, kept, failure, asked] {
+        packer_.add([this, file, kept, failure, number, asked] {
+          std::optional<Error> refusal;
           try {
             if (!failure.empty()) throw Error(Error::Code::kDevice, "the picture", failure, "ask again");
             writePicture(file, *kept);
           } catch (const Error& error) {
-            return answerOf(asked, error, {});
+            refusal = error;
+          } catch (const std::exception& error) {
+            refusal = Error(Error::Code::kOutOfMemory, "the picture", error.what(), "ask for a smaller one");
           }
-          return answerOf(asked, {}, fmt::format("{}: {} x {} pixels", file, kept->width, kept->height));
+          const std::string words = fmt::format("{}: {} x {} pixels", file, kept->width, kept->height);
+          answer(number, [asked, refusal, words] { return answerOf(asked, refusal, refusal ? "" : words); });
         });
       });
 }
 
 void ClientDesk::askForStatus(const wire::AskT& ask, Client& client) {
-  const ServedStatus s = served_.status();
+  ServedStatus status = served_.status();
+  status.clients = clients_.size();
   wire::AnswerT words;
   words.number = ask.number;
-  const auto add = [&](const char* key, double value) {
+  for (const auto& [key, value] : figuresOf(status, monotonicNow_ns())) {
     words.figures.push_back(std::make_unique<wire::FigureT>());
     words.figures.back()->key = key;
     words.figures.back()->value = value;
-  };
-  add("servo", s.servo ? 1 : 0);
-  add("servos", static_cast<double>(s.servos));
-  add("clients", static_cast<double>(clients_.size()));
-  add("tick", static_cast<double>(s.pose.tick));
-  add("pose_age_ms",
-      s.pose.tick < 0 ? 0 : static_cast<double>(monotonicNow_ns() - s.pose_at_ns) / kNanosecondsPerMillisecond);
-  add("force_N", s.pose.force_W.norm());
-  add("contact", s.pose.normal_W.isZero(0) ? 0 : 1);
-  add("windows", static_cast<double>(s.windows));
-  add("edits", static_cast<double>(s.edits));
-  add("refused", static_cast<double>(s.refused));
-  add("waiting_for_disk", static_cast<double>(s.waiting));
-  add("undoable", static_cast<double>(s.undoable));
-  add("redoable", static_cast<double>(s.redoable));
-  add("unsaved", s.unsaved ? 1 : 0);
-  add("journal_bytes", static_cast<double>(s.journal_bytes));
-  words.text = s.journal_failure;
+  }
+  words.text = status.journal_failure;
   if (!client.channel.send(encoded(std::move(words)), 0)) client.channel.close();
 }
 

@@ -2,12 +2,14 @@
 // apps/serve/client_desk.hpp: the socket of a service: who connects is a servo or a client, and clients ask for things.
 //
 // What clients ask for is done in the order in which it comes, and each gets the answers to its own questions
-// (service/messages). A client that breaks the rules, does not read its answers, asks for more than kMostOpen things at
-// once or says nothing for kSilence_s at first is dropped with a word; nobody waits for it. Memory per client is
-// bounded. A servo that connects is handed to the engine.
-// One thread calls run(); post() and wake() by any.
+// (service/messages). A client that breaks the rules, does not read its answers or says nothing for kSilence_s at first
+// is dropped with a word; nobody waits for it. More than kMostOpen questions of one client at once are refused, so
+// memory per client is bounded. A servo that connects is handed to the engine. Meshes are read and pictures packed by
+// threads of their own.
+// One thread makes it and calls round() and flush().
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -16,6 +18,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/edit/stamp_files.hpp"
+#include "apps/serve/chores.hpp"
 #include "apps/serve/served_volume.hpp"
 #include "service/channel/channel.hpp"
 #include "service/messages/message.hpp"
@@ -31,16 +35,15 @@ class ClientDesk {
 
   // Throws Error(kIo) where the system has no means to wake it.
   ClientDesk(Listener listener, ServedVolume& served, Tell tell);
-  ~ClientDesk();
   ClientDesk(const ClientDesk&) = delete;
   ClientDesk& operator=(const ClientDesk&) = delete;
 
   // One round: takes in what has come, sends answers that are ready; waits for `most_ms` at most if there is nothing
   // [ms]. False: a client asked the service to end.
   [[nodiscard]] bool round(int most_ms);
-  // Sends what is ready, once more; for the end.
+  [[nodiscard]] std::size_t clients() const noexcept { return client_count_.load(); }  // any thread
+  // For the end, when the engine has ended: finishes what is under way here, and sends what is ready.
   void flush();
-  [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
 
  private:
   struct Client {
@@ -53,7 +56,7 @@ class ClientDesk {
   using Make = std::function<wire::AnswerT()>;
   struct Ready {
     std::uint64_t client = 0;
-    Make make;  // in the desk's thread, where it may take long
+    Make make;
   };
   using Answer = std::function<void(const std::optional<Error>& refusal, const std::string& text)>;
 
@@ -66,7 +69,10 @@ class ClientDesk {
   [[nodiscard]] Answer answerTo(Client& client, const wire::AskT& ask);
   void askFor(const wire::AskT& ask, const Answer& done, Client& client);
   void askForStatus(const wire::AskT& ask, Client& client);
+  enum class Takes { kNoTime, kLong };
+  void inOrder(const Answer& done, const std::function<void()>& request, Takes takes = Takes::kNoTime);
   void askForEdit(const wire::AskT& ask, const Answer& done);
+  void edit(const std::vector<std::string>& words, const Answer& done);
   void askForPicture(const wire::AskT& ask, const Client& client);
   void sendReady();
   [[nodiscard]] std::vector<std::byte> encodedAnswer(const Ready& one);
@@ -77,10 +83,14 @@ class ClientDesk {
   Listener listener_;
   Descriptor waker_;  // eventfd, written when an answer is ready
   std::list<Client> clients_;
-  std::uint64_t count_ = 0;  // of clients so far
+  std::atomic<std::size_t> client_count_{0};  // of clients_
+  std::uint64_t count_ = 0;                   // of clients so far
   bool leaves_ = false;
   std::mutex mutex_;  // guards the next
   std::deque<Ready> ready_;
+  StampFiles stamps_;  // the preparer's
+  Chores preparer_;    // of edits with meshes, and of what was asked for after them
+  Chores packer_;      // last members: they use the others
 };
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,10 +13,12 @@
 #include "apps/console/message.hpp"
 #include "apps/serve/client_desk.hpp"
 #include "apps/serve/live_setting.hpp"
+#include "apps/serve/metrics_door.hpp"
 #include "apps/serve/served_volume.hpp"
 #include "apps/serve/service_place.hpp"
 #include "apps/supervise/service_notify.hpp"
 #include "base/error.hpp"
+#include "base/monotonic_clock.hpp"
 
 namespace palpate {
 namespace {
@@ -44,7 +47,9 @@ void reload(const ServeRequest& request, ServedVolume& served) {
   try {
     const Scene wanted = request.read_again();
     std::vector<std::string> others;
-    served.change(withLiveSettings(served.scene(), wanted, others));
+    served.change(withLiveSettings(served.scene(), wanted, others), [](const std::optional<Error>& refusal) {
+      if (refusal) tell(refusal->what());
+    });
     tell("the scene's settings were read again");
     others.clear();
     static_cast<void>(withLiveSettings(request.scene, wanted, others));  // held against the file as it was at the start
@@ -65,15 +70,27 @@ struct ClosedFirst {
 };
 
 std::filesystem::path journalOf(const ServeRequest& request) {
-  return request.scene.journal.empty() ? usualServiceJournal(request.socket)
+  return request.scene.journal.empty() ? usualServiceJournal(socketOf(request.scene))
                                        : std::filesystem::path(request.scene.journal);
+}
+
+std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolume& served, const ClientDesk& desk) {
+  if (scene.service_metrics_socket.empty()) return nullptr;
+  makeSocketFolder(scene.service_metrics_socket);
+  return std::make_unique<MetricsDoor>(scene.service_metrics_socket, [&served, &desk] {
+    ServedStatus status = served.status();
+    status.clients = desk.clients();
+    return metricsText(figuresOf(status, monotonicNow_ns()));
+  });
 }
 
 }  // namespace
 
 void serveScene(const ServeRequest& request, Progress& progress) {
-  makeSocketFolder(request.socket);
-  Listener listener(request.socket);  // first: whoever has the socket has the journal
+  const ServiceNotify notify;
+  const std::string socket = socketOf(request.scene);
+  makeSocketFolder(socket);
+  Listener listener(socket);  // first: whoever has the socket has the journal
   ServedVolume served({.scene = request.scene, .journal = journalOf(request), .commit = request.commit}, progress,
                       tell);
   ClientDesk desk(std::move(listener), served, tell);
@@ -82,9 +99,9 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   static_cast<void>(std::signal(SIGHUP, askToReload));
   served.start();
   progress.done();
-  const ServiceNotify notify;
+  const std::unique_ptr<MetricsDoor> metrics = metricsDoorOf(request.scene, served, desk);
   static_cast<void>(notify.ready());
-  tell(fmt::format("{} is served at {}", request.scene.volume, request.socket));
+  tell(fmt::format("{} is served at {}", request.scene.volume, socket));
   while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
     if (reload_asked == 0) continue;
     reload_asked = 0;

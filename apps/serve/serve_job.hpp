@@ -17,8 +17,7 @@ namespace palpate {
 struct ServeRequest {
   Scene scene;
   std::function<Scene()> read_again;  // the scene as its file says now; throws Error. Empty: it has no file
-  std::string socket;
-  std::string commit;  // of this program
+  std::string commit;                 // of this program
 };
 
 // Throws Error as ServedVolume and ClientDesk do; kDevice if the engine failed.

@@ -7,90 +7,58 @@
 
 #include <fmt/format.h>
 
-#include "apps/held/held_device.hpp"
+#include "apps/convert/convert_job.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
-#include "apps/touch/scene_plan.hpp"
 #include "apps/touch/scripted_path.hpp"
 #include "apps/touch/volume_surface.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/thread_names.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/safety/faults.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr int kPatience_ms = 10'000;  // with a servo that makes its device; nobody's edit is made meanwhile
+constexpr int kDevicePatience_ms = 10'000;  // with a servo that makes its device
+constexpr int kLoopPatience_ms = 2000;      // with one that makes its loop, while nobody's edit is made
 constexpr std::chrono::milliseconds kIdle{1};
 constexpr std::chrono::milliseconds kRigLook{2};
+constexpr std::int64_t kMemoryLook_ns = 500'000'000;
+constexpr std::size_t kMostPutOff = 256;
+constexpr std::size_t kMostBricks = 65536;  // of a portion of another isovalue's gradients
 
-void checkServable(const Scene& scene) {
-  if (scene.simulated_clock)
-    refuse("--clock simulated", "a service runs by the real clock", "leave it out, or take 'palpate touch'");
-  if (!hasPath(scene) && !isHeld(scene))
-    refuse("--device recorded", "a service plays no recording back", "take 'palpate touch' for that");
-  if (!scene.edit.empty())
-    refuse("--edit " + scene.edit, "a service edits what its clients ask for",
-           "leave it out, and take 'palpate ctl edit'");
-  if (algorithmEntry(scene.algorithm).needs.isosurface_mesh) {
-    refuse("--algorithm " + scene.algorithm, "it touches a mesh, which would not follow the edits",
-           "choose another one, as hri");
-  }
+// So that what is not set cannot be told from what is usual.
+Scene withUsual(Scene scene) {
+  scene.stiffness_N_per_m = stiffnessOf(scene);
+  scene.damping_Ns_per_m = dampingOf(scene);
+  return scene;
 }
 
-Plan planOf(Scene scene) {
-  scene.picture = true;
-  EngineRequest request = planFor(scene).request;
-  request.edits = request.draws = true;
-  request.other_isovalues = !scene.gradient_all && scene.samples != "half" && scene.field != "distance";
-  return makePlan(request);
+Error hasEnded() {
+  return {Error::Code::kCancelled, "the engine", "it has ended", "start the service again, and ask again"};
 }
 
 }  // namespace
 
 ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell)
-    : commit_(request.commit), tell_(std::move(tell)), scene_(request.scene) {
-  checkServable(scene_);
-  journal_.emplace(request.journal);
-  try {
-    live_.emplace(LiveVolumeRequest{.volume = scene_.volume,
-                                    .isovalue = scene_.isovalue,
-                                    .gpu = scene_.gpu,
-                                    .gpu_memory_bytes = scene_.gpu_memory_bytes,
-                                    .plan = planOf(scene_),
-                                    .journal = request.journal,
-                                    .recovers = journal_->earlier(),
-                                    .work = "palpate serve"},
-                  progress, tell_);
-  } catch (const Error& error) {
-    if (journal_->earlier().empty() || error.code() != Error::Code::kBadInput) throw;
-    throw Error(
-        error.code(), error.input(), error.reason(),
-        fmt::format("edits of an earlier service wait in {0}: serve their volume again, or write them to a file "
-                    "with 'palpate recover {0} --out FILE' and delete that folder, or name another --journal",
-                    journal_->earlier().string()));
-  }
-  if (live_->journalFailure().empty()) journal_->takeOver();
-  const Volume& volume = live_->volume();
-  scene_.isovalue = live_->firstIsovalue();
-  scene_.stiffness_N_per_m = stiffnessOf(scene_);
-  scene_.damping_Ns_per_m = dampingOf(scene_);
-  size_ = volume.size();
-  lattice_ = volume.lattice();
+    : commit_(request.commit), tell_(std::move(tell)), journal_(request.journal), first_scene_(request.scene) {
+  checkServable(first_scene_);
+  scene_ = withUsual(first_scene_);
+  engine_ = std::make_unique<ServedEngine>(first_scene_, journal_, progress, tell_);
+  LiveVolume& live = engine_->live();
+  first_isovalue_ = live.firstIsovalue();
+  scene_.isovalue = first_isovalue_;
+  size_ = engine_->size();
+  lattice_ = engine_->lattice();
+  profile_ = live.engine().profile();
   box_ = boxOf(lattice_, size_);
-  Engine& engine = live_->engine();
-  scale_ = engine.filters() ? densityScaleOf(engine.filtered(volume.facts()), engine.isovalue())
-                            : densityScaleOf(volume, engine.isovalue());
-  seen_ = objectExtent(engine.bounds(), BrickGrid{size_, lattice_.spacing_m}, lattice_,
-                       static_cast<float>(engine.isovalue()), {}, engine.filters() ? nullptr : &volume);
-  if (hasPath(scene_)) way_ = scriptedPath(scene_, VolumeSurface(volume, live_->firstIsovalue())).path;
-  other_isovalues_ = planOf(request.scene).request.other_isovalues;
-  gradient_everywhere_ = engine.gradientEverywhere();
-  lowest_ = volume.minimum();
-  highest_ = volume.maximum();
-  noteStatus();
+  if (hasPath(first_scene_)) way_ = scriptedPath(first_scene_, VolumeSurface(live.volume(), first_isovalue_)).path;
+  seen_ = engine_->seen();
+  window_samples_ = live.engine().windowCapacity();
+  noteMemory(monotonicNow_ns());
 }
 
 ServedVolume::~ServedVolume() {
@@ -108,36 +76,40 @@ void ServedVolume::close() {
   if (std::exchange(closed_, true)) return;
   stop_ = true;
   if (thread_.joinable()) thread_.join();
-  // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
-  live_->edits().doWaiting(0);
-  const bool has_edits = live_->edits().counts().done > 0;
-  live_->close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
-  settle();
+  if (greeter_.joinable()) greeter_.join();
+  refuseWaiting();
+  if (engine_) {
+    // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
+    LiveVolume& live = engine_->live();
+    live.edits().doWaiting(0);
+    const bool has_edits = live.edits().counts().done > 0;
+    live.close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
+    settle();
+    if (!failure_ && has_edits && live.keepsJournal())
+      tell_("its edits are in the journal, and come back with the next start");
+  }
   if (failure_) std::rethrow_exception(failure_);
-  if (has_edits && live_->keepsJournal()) tell_("its edits are in the journal, and come back with the next start");
+}
+
+// What no engine will do any more.
+void ServedVolume::refuseWaiting() {
+  std::vector<Done> waiting;
+  {
+    const std::scoped_lock lock(engines_, mutex_);
+    for (const Order& order : std::exchange(put_off_, {})) order(is_ready_ ? engine_.get() : nullptr);
+    waiting.swap(isovalue_done_);
+    if (filter_done_) waiting.push_back(std::exchange(filter_done_, {}));
+  }
+  for (const Done& done : waiting) done(hasEnded());
+  pictures_.giveUp(hasEnded().what());
 }
 
 void ServedVolume::run() {
   nameThisThread("engine");
   try {
     while (!stop_) {
-      wire::HelloT hello;
-      if (Channel next = takeNext(hello); next.open()) {
-        try {
-          feel(std::move(next), hello);
-        } catch (const std::exception& error) {
-          if (!live_->edits().counts().editing || live_->engine().broken()) throw;
-          if (std::exchange(servos_trouble_, error.what()) != error.what()) tell_(error.what());
-        }
-        if (servo_) servo_->leave();
-        const std::lock_guard lock(mutex_);
-        has_servo_ = status_.servo = false;
-      } else {
-        lookAlone();
-      }
-      if (!live_->edits().counts().editing)
-        throw Error(Error::Code::kDevice, "the engine", "its device has failed, and nothing more can be edited",
-                    "start it again: the edits come back from the journal");
+      work();
+      if (!stop_) makeAnew();
     }
   } catch (...) {
     failure_ = std::current_exception();
@@ -145,58 +117,180 @@ void ServedVolume::run() {
   }
 }
 
-Channel ServedVolume::takeNext(wire::HelloT& hello) {
+// Until the end, or the engine must be made anew.
+void ServedVolume::work() {
+  while (!stop_ && !mustBeMadeAnew()) {
+    std::unique_ptr<RemoteServo> next = takeNext();
+    const bool is_felt = next != nullptr;
+    try {
+      next ? feel(std::move(next)) : lookAlone();
+    } catch (const std::exception& error) {
+      if (mustBeMadeAnew()) {
+        tell_(error.what());
+      } else if (std::exchange(servos_trouble_, error.what()) != error.what()) {
+        tell_(error.what());
+      }
+    }
+    if (!is_felt) continue;
+    if (servo_) servo_->leave();
+    const std::lock_guard lock(mutex_);
+    has_servo_ = status_.servo = false;
+  }
+}
+
+bool ServedVolume::mustBeMadeAnew() const {
+  const LiveVolume& live = engine_->live();
+  if (live.engine().broken() || !live.edits().counts().editing) return true;
   const std::lock_guard lock(mutex_);
-  hello = hello_;
-  return std::exchange(next_, Channel());
+  return wanted_filter_.has_value();
+}
+
+// What clients ask for meanwhile waits.
+void ServedVolume::makeAnew() {
+  std::optional<std::string> filter;
+  Done done;
+  {
+    const std::scoped_lock lock(engines_, mutex_);
+    is_ready_ = false;
+    filter = std::exchange(wanted_filter_, std::nullopt);
+    done = std::exchange(filter_done_, {});
+  }
+  if (!filter) noteLost();
+  LiveVolume& live = engine_->live();
+  const RigEdits::Counts counts = live.edits().counts();
+  if (!live.journalFailure().empty()) tell_("edits that the journal does not hold are lost: " + live.journalFailure());
+  try {
+    live.close(LiveVolume::KeepJournal::kAlways);
+  } catch (const Error& error) {
+    tell_(error.what());
+  }
+  settle();
+  pictures_.startAgain();
+  engine_.reset();
+  servo_.reset();
+  Scene next = scene();
+  std::optional<Error> refusal;
+  if (filter) next.filter = *filter;
+  try {
+    makeEngine(next);
+  } catch (const Error& error) {
+    if (!filter) throw;
+    refusal = error;
+    next.filter = scene().filter;
+    makeEngine(next);
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    scene_.filter = next.filter;
+    status_.edits += counts.edits;
+    status_.refused += counts.refused;
+    ++status_.engines;
+  }
+  if (done) done(refusal);
+  const std::lock_guard lock(engines_);
+  is_ready_ = true;
+  for (const Order& order : std::exchange(put_off_, {})) order(engine_.get());
+}
+
+void ServedVolume::noteLost() {
+  if (!lost_.mayGoOn(monotonicNow_ns()))
+    throw Error(Error::Code::kDevice, "the engine", "its device has failed again and again",
+                "see the driver's messages, or choose another device with --gpu; the edits are in the journal");
+  tell_("the Vulkan device has failed; the engine is made anew from the volume and its journal");
+}
+
+// Begins with the isovalue of its journal, or the first one; that of the scene is taken then. The device may be lost
+// meanwhile, too.
+void ServedVolume::makeEngine(const Scene& scene) {
+  Scene first = scene;
+  first.isovalue = first_isovalue_;
+  while (!engine_) {
+    try {
+      Progress silent(nullptr);
+      engine_ = std::make_unique<ServedEngine>(first, journal_, silent, tell_);
+    } catch (const Error& error) {
+      if (error.code() != Error::Code::kDevice) throw;
+      tell_(error.what());
+      noteLost();
+    }
+  }
+}
+
+std::unique_ptr<RemoteServo> ServedVolume::takeNext() {
+  const std::lock_guard lock(mutex_);
+  return std::move(next_);
 }
 
 bool ServedVolume::attach(Channel channel, const wire::HelloT& hello) {
-  const std::lock_guard lock(mutex_);
-  if (std::exchange(has_servo_, true)) return false;
-  hello_ = hello;
-  next_ = std::move(channel);
+  {
+    const std::lock_guard lock(mutex_);
+    if (std::exchange(has_servo_, true)) return false;
+  }
+  // The one before has ended, or there would still be its servo.
+  greeter_ = std::jthread([this, hello, channel = std::move(channel)]() mutable { greet(std::move(channel), hello); });
   return true;
 }
 
-RigSettings ServedVolume::firstSettings() const {
-  RigSettings settings = rigSettings(scene(), live_->engine().isovalue());
-  settings.parameters.isovalue = live_->engine().isovalue();
-  return settings;
+// The servo makes its device, which may take seconds.
+void ServedVolume::greet(Channel channel, const wire::HelloT& hello) {
+  nameThisThread("greeter");
+  const std::int64_t process = channel.peer().process;
+  try {
+    auto servo =
+        std::make_unique<RemoteServo>(std::move(channel), RemoteServo::Request{.scene = first_scene_,
+                                                                               .box = box_,
+                                                                               .way = way_ ? &*way_ : nullptr,
+                                                                               .window_samples = window_samples_,
+                                                                               .commit = commit_,
+                                                                               .hello = &hello,
+                                                                               .patience_ms = kDevicePatience_ms,
+                                                                               .loop_patience_ms = kLoopPatience_ms});
+    const std::lock_guard lock(mutex_);
+    status_.servo_process = process;
+    next_ = std::move(servo);
+  } catch (const std::exception& error) {
+    std::unique_lock lock(mutex_);
+    has_servo_ = false;
+    const bool is_new = std::exchange(servos_trouble_, error.what()) != error.what();
+    lock.unlock();
+    if (is_new) tell_(error.what());
+  }
+}
+
+RigSettings ServedVolume::settingsOf(const Scene& scene) const {
+  return rigSettings(scene, wantedIsovalue(scene));
 }
 
 // As long as the servo is there.
-void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
-  Engine& engine = live_->engine();
-  auto servo =
-      std::make_unique<RemoteServo>(std::move(channel), RemoteServo::Request{.scene = scene(),
-                                                                             .box = box_,
-                                                                             .way = way_ ? &*way_ : nullptr,
-                                                                             .window_samples = engine.windowCapacity(),
-                                                                             .commit = commit_,
-                                                                             .hello = &hello,
-                                                                             .patience_ms = kPatience_ms});
-  LinkMemory& memory = servo->memory();
+void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
+  LiveVolume& live = engine_->live();
+  Engine& engine = live.engine();
+  LinkMemory& memory = next->memory();
   engine.shareWindows({.block = &memory.windows(),
                        .samples = memory.samples(),
                        .capacity = memory.capacity(),
                        .bytes = memory.windowBytes(),
-                       .first_version = servo->firstVersion()});
-  servo_ = std::move(servo);  // only now may the former one's memory go
+                       .first_version = next->firstVersion()});
+  servo_ = std::move(next);  // only now may the former one's memory go
+  {
+    const std::lock_guard lock(mutex_);
+    status_.servo = true;
+    ++status_.servos;
+  }
   LoopParameters loop = loopParameters(scene());
   loop.ticks = 0;
   loop.record_ticks = 1;
-  TouchRig rig(engine, *servo_, loop, RigVolume{.scale = scale_}, firstSettings(), &live_->edits());
-  rig.drawFor(view_);
-  const std::uint64_t first = servo_->firstVersion();
-  rig.start([this, first](const ToolPose& pose, std::int64_t now_ns) {
+  RigSettings first = rigSettings(scene(), engine.isovalue());
+  first.parameters.isovalue = engine.isovalue();
+  TouchRig rig(engine, *servo_, loop, RigVolume{.scale = engine_->scale()}, first, &live.edits());
+  rig.drawFor(pictures_.view());
+  rig.start([this, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
     {
       const std::lock_guard lock(mutex_);
-      if (pose.tick != status_.pose.tick) status_.pose_at_ns = now_ns;
-      status_.pose = pose;
-      status_.windows = pose.window_version >= first ? pose.window_version - first + 1 : 0;
+      notePose(status_, pose, first_version, now_ns);
     }
-    static_cast<void>(lookAround(now_ns));
+    static_cast<void>(lookAround());
+    noteMemory(now_ns);
   });
   struct Lent {
     ServedVolume& served;
@@ -205,14 +299,16 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
   lendRig(&rig);
   {
     const std::lock_guard lock(mutex_);
-    status_.servo = true;
-    ++status_.servos;
-    status_.device = std::string(servo_->device().name());
+    servos_trouble_.clear();
   }
-  servos_trouble_.clear();
-  tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live_->name()));
-  while (rig.running() && !stop_ && live_->edits().counts().editing) {
-    heedRefusal(rig);
+  tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live.name()));
+  const auto goes_on = [&] {
+    if (stop_ || !rig.running() || !live.edits().counts().editing) return false;
+    const std::lock_guard lock(mutex_);
+    return !wanted_filter_;
+  };
+  while (goes_on()) {
+    heedRig(rig);
     std::this_thread::sleep_for(kRigLook);
   }
   lendRig(nullptr);
@@ -223,70 +319,108 @@ void ServedVolume::feel(Channel channel, const wire::HelloT& hello) {
 // Settings that changed since the rig was made are the servo's from now on.
 void ServedVolume::lendRig(TouchRig* rig) {
   const std::lock_guard order(changers_);
-  if (rig != nullptr) rig->change(rigSettings(scene(), wantedIsovalue(scene())));
+  if (rig != nullptr) rig->change(settingsOf(scene()));
   rig_ = rig;
 }
 
-// The isovalue that the engine refused is not asked for again.
-void ServedVolume::heedRefusal(TouchRig& rig) {
-  const std::optional<Error> refusal = rig.takeRefusal();
-  if (!refusal) return;
-  tell_(refusal->what());
-  const std::lock_guard lock(mutex_);
-  scene_.isovalue = rig.settings().parameters.isovalue;
+void ServedVolume::heedRig(TouchRig& rig) {
+  if (const std::optional<Error> refusal = rig.takeRefusal()) {
+    endIsovalue(refusal, rig.settings().parameters.isovalue);
+  } else if (rig.isSettled()) {
+    endIsovalue({}, 0);
+  }
+}
+
+// Whoever asked for an isovalue is told. One that the engine refused is not asked for again.
+void ServedVolume::endIsovalue(const std::optional<Error>& refusal, double in_use) {
+  std::vector<Done> done;
+  {
+    const std::lock_guard lock(mutex_);
+    if (refusal) scene_.isovalue = in_use;
+    done.swap(isovalue_done_);
+  }
+  if (refusal && done.empty()) tell_(refusal->what());
+  for (const Done& one : done) one(refusal);
 }
 
 double ServedVolume::wantedIsovalue(const Scene& scene) const {
-  return scene.field == "distance" ? live_->engine().isovalue() : scene.isovalue.value_or(live_->firstIsovalue());
+  return scene.field == "distance" ? 0 : static_cast<float>(scene.isovalue.value_or(first_isovalue_));
+}
+
+// Nobody waits for windows meanwhile.
+void ServedVolume::takeIsovalueAlone() {
+  Engine& engine = engine_->live().engine();
+  const double wanted = wantedIsovalue(scene());
+  if (wanted == engine.isovalue()) return endIsovalue({}, 0);
+  const double before = engine.isovalue();
+  try {
+    engine.beginIsovalue(wanted);
+    while (!engine.gatherIsovalue(kMostBricks, monotonicNow_ns())) continue;
+    engine.endIsovalue(wanted);
+    endIsovalue({}, 0);
+  } catch (const Error& error) {
+    if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
+    endIsovalue(error, before);
+  }
 }
 
 void ServedVolume::lookAlone() {
+  LiveVolume& live = engine_->live();
   const std::int64_t now_ns = monotonicNow_ns();
-  live_->edits().look(ToolPose{}, now_ns);
-  const bool draws = view_.look(live_->engine(), now_ns);
-  const bool busy = lookAround(now_ns) || draws;
-  if (!busy) std::this_thread::sleep_for(kIdle);
+  takeIsovalueAlone();
+  live.edits().look(ToolPose{}, now_ns);
+  const bool draws = pictures_.view().look(live.engine(), now_ns);
+  noteMemory(now_ns);
+  if (!lookAround() && !draws) std::this_thread::sleep_for(kIdle);
 }
 
 // What is to be done at every look beside edits and windows. Whether more is to be drawn.
-bool ServedVolume::lookAround(std::int64_t) {
+bool ServedVolume::lookAround() {
   settle();
-  const bool draws = drawOn();
-  noteStatus();
-  return draws;
+  return pictures_.drawOn(engine_->live().engine().editVersion());
 }
 
-void ServedVolume::noteStatus() {
-  const RigEdits::Counts edits = live_->edits().counts();
-  const JournalWriter* const journal = live_->session().journal();
+void ServedVolume::noteMemory(std::int64_t now_ns) {
+  if (memory_at_ns_ != 0 && now_ns - memory_at_ns_ < kMemoryLook_ns) return;
+  memory_at_ns_ = now_ns;
+  std::uint64_t bytes = 0;
+  for (const MemoryFigure& one : engine_->live().engine().memory()) bytes += one.bytes;
   const std::lock_guard lock(mutex_);
-  status_.waiting = written_.size();
-  status_.content_version = edits.content_version;
-  status_.edits = edits.edits;
-  status_.refused = edits.refused;
-  status_.undoable = edits.done;
-  status_.redoable = edits.undone;
-  status_.unsaved = live_->isUnsaved();
-  status_.journal_bytes = journal != nullptr ? journal->bytes() : 0;
-  if (journal != nullptr && journal->failed()) status_.journal_failure = journal->failure();
+  status_.gpu_bytes = bytes;
 }
 
 ServedStatus ServedVolume::status() const {
-  const std::lock_guard lock(mutex_);
-  return status_;
+  const std::scoped_lock lock(engines_, mutex_);
+  ServedStatus status = status_;
+  status.put_off = put_off_.size();
+  if (!is_ready_) return status;
+  const LiveVolume& live = engine_->live();
+  const RigEdits::Counts counts = live.edits().counts();
+  status.edits += counts.edits;
+  status.refused += counts.refused;
+  status.undoable = counts.done;
+  status.redoable = counts.undone;
+  status.unsaved = live.isUnsaved();
+  if (const JournalWriter* const journal = live.session().journal()) {
+    status.waiting_for_disk = unwritten_.load(std::memory_order_relaxed);
+    status.journal_bytes = journal->bytes();
+    if (journal->failed()) status.journal_failure = journal->failure();
+  }
+  return status;
 }
 
-// Called by the engine's thread, once the edit is made or refused.
+// By the engine's thread, once the edit is made or refused.
 ServedVolume::Done ServedVolume::onDisk(Done done) {
   return [this, done = std::move(done)](const std::optional<Error>& refusal) {
-    const JournalWriter* const journal = live_->session().journal();
+    const JournalWriter* const journal = engine_->live().session().journal();
     if (refusal || journal == nullptr) return done(refusal);
     written_.push_back({journal->appended(), done});
+    unwritten_.store(written_.size(), std::memory_order_relaxed);
   };
 }
 
 void ServedVolume::settle() {
-  const JournalWriter* const journal = live_->session().journal();
+  const JournalWriter* const journal = engine_->live().session().journal();
   if (journal == nullptr) return;
   const bool failed = journal->failed();
   for (; !written_.empty(); written_.pop_front()) {
@@ -297,56 +431,86 @@ void ServedVolume::settle() {
                                   "the edit was made, but it is not on the disk: " + journal->failure(),
                                   "save the volume with 'palpate ctl save'"));
     } else {
-      return;
+      break;
     }
   }
+  unwritten_.store(written_.size(), std::memory_order_relaxed);
+}
+
+void ServedVolume::order(Order order, When when) {
+  const std::lock_guard lock(engines_);
+  if (when == When::kNow && is_ready_) return order(engine_.get());
+  if (put_off_.size() >= kMostPutOff)
+    throw Error(Error::Code::kOutOfMemory, "the engine", "it is being made anew, and too many requests wait already",
+                "ask again in a moment");
+  put_off_.push_back(std::move(order));
+}
+
+// One that the engine's end kept from being made is made by the next engine, once.
+void ServedVolume::ask(Change change, Done done, When when) {
+  const auto order_of = [this, change = std::move(change), done = std::move(done), when](ServedEngine* engine) {
+    if (engine == nullptr) return done(hasEnded());
+    const auto told = [this, change, done, when](const std::optional<Error>& refusal) {
+      const bool is_unmade = refusal && refusal->code() == Error::Code::kCancelled;
+      if (!is_unmade || when == When::kWithTheNextEngine || stop_) return done(refusal);
+      try {
+        ask(change, done, When::kWithTheNextEngine);
+      } catch (const Error& error) {
+        done(error);
+      }
+    };
+    change(engine->live().edits(), onDisk(told));
+  };
+  order(order_of, when);
 }
 
 void ServedVolume::edit(std::vector<EditCommand> commands, Done done) {
-  static_cast<void>(live_->edits().edit(std::move(commands), onDisk(std::move(done))));
+  ask([commands = std::move(commands)](RigEdits& edits, Done made) { edits.edit(commands, std::move(made)); },
+      std::move(done), When::kNow);
 }
 void ServedVolume::undo(Done done) {
-  static_cast<void>(live_->edits().undo(onDisk(std::move(done))));
+  ask([](RigEdits& edits, Done made) { edits.undo(std::move(made)); }, std::move(done), When::kNow);
 }
 void ServedVolume::redo(Done done) {
-  static_cast<void>(live_->edits().redo(onDisk(std::move(done))));
-}
-void ServedVolume::save(const std::string& file, std::function<void(const LiveVolume::Saved&)> done) {
-  live_->save(file, scene().isovalue.value_or(live_->firstIsovalue()), std::move(done));
+  ask([](RigEdits& edits, Done made) { edits.redo(std::move(made)); }, std::move(done), When::kNow);
 }
 
-void ServedVolume::render(int width, int height, std::function<void(RenderedImage, const std::string& failure)> done) {
+void ServedVolume::save(const std::string& file, std::function<void(const LiveVolume::Saved&)> done) {
+  checkOutput({.in = first_scene_.volume, .out = file});
+  const double isovalue = scene().isovalue.value_or(first_isovalue_);
+  order(
+      [file, isovalue, done = std::move(done)](ServedEngine* engine) {
+        if (engine == nullptr) return done({false, fmt::format("{} was not written: {}", file, hasEnded().what())});
+        try {
+          engine->live().save(file, isovalue, done);
+        } catch (const Error& error) {  // the file's place has changed since it was asked for
+          done({false, error.what()});
+        }
+      },
+      When::kNow);
+}
+
+void ServedVolume::render(int width, int height, PictureQueue::Done done) {
   RenderRequest request;
   request.width = width;
   request.height = height;
   const double distance_m = fittingDistance(request, seen_);
-  ViewRequest view{.camera = frameCamera(request, seen_.middle_W, distance_m, 0), .style = {}};
-  constexpr std::size_t kMostDrawings = 16;
-  const std::lock_guard lock(mutex_);
-  if (drawings_.size() >= kMostDrawings)
-    throw Error(Error::Code::kOutOfMemory, "the picture", "too many others wait", "ask again when they are done");
-  drawings_.push_back({std::move(view), std::move(done)});
+  pictures_.ask({.camera = frameCamera(request, seen_.middle_W, distance_m, 0), .style = {}}, std::move(done));
 }
 
-// Whether a picture is under way.
-bool ServedVolume::drawOn() {
-  if (!drawing_) {
-    std::unique_lock lock(mutex_);
-    if (drawings_.empty()) return false;
-    drawing_ = std::move(drawings_.front());
-    drawings_.pop_front();
+void ServedVolume::filter(const std::string& chain, Done done) {
+  Scene next = scene();
+  next.filter = chain;
+  static_cast<void>(servedPlan(next));  // or says why not
+  std::unique_lock lock(mutex_);
+  if (wanted_filter_)
+    throw Error(Error::Code::kOutOfMemory, "the filters", "others are being made ready", "ask again in a moment");
+  if (chain == scene_.filter) {
     lock.unlock();
-    view_.show(drawing_->request);
-    drawing_from_ = live_->engine().editVersion();
-    return true;
+    return done({});
   }
-  const std::string failure = view_.failure();
-  const ViewFrame& frame = view_.latest();
-  const bool is_whole = frame.whole && frame.edit_version >= drawing_from_ && frame.camera == drawing_->request.camera;
-  if (!is_whole && failure.empty()) return true;
-  std::exchange(drawing_, std::nullopt)
-      ->done(is_whole ? live_->engine().picture() : RenderedImage{}, is_whole ? "" : failure);
-  return true;
+  wanted_filter_ = chain;
+  filter_done_ = std::move(done);
 }
 
 Scene ServedVolume::scene() const {
@@ -354,28 +518,29 @@ Scene ServedVolume::scene() const {
   return scene_;
 }
 
-void ServedVolume::change(const Scene& scene) {
-  if (algorithmEntry(scene.algorithm).needs.isosurface_mesh)
-    refuse("servo.algorithm = " + scene.algorithm, "it touches a mesh, which would not follow the edits",
-           "choose another one, as hri");
-  const double isovalue = wantedIsovalue(scene);
-  if (scene.isovalue != this->scene().isovalue) {
-    if (!other_isovalues_)
-      refuse("isovalue", "what is on the device serves the first one alone", "change it in the scene and start again");
-    if (!(isovalue >= lowest_ && isovalue < highest_))
-      refuse(fmt::format("isovalue {:g}", isovalue), fmt::format("the densities are {:g} to {:g}", lowest_, highest_),
-             "choose one between them");
-  }
-  if (algorithmEntry(scene.algorithm).needs.gradient_everywhere && !gradient_everywhere_) {
-    refuse("servo.algorithm = " + scene.algorithm,
-           "it reads gradients everywhere, and those on the device lie around the isosurface",
-           "start the service with --gradient all");
-  }
-  static_cast<void>(makeAlgorithm(rigSettings(scene, isovalue), RigVolume{.scale = scale_}));  // or says why not
+void ServedVolume::change(const Scene& wanted, Done done) {
+  checkFollowsEdits(wanted.algorithm, "servo.algorithm = " + wanted.algorithm);
   const std::lock_guard order(changers_);
-  if (rig_ != nullptr) rig_->change(rigSettings(scene, isovalue));
-  const std::lock_guard lock(mutex_);
-  scene_ = scene;
+  const bool goes_elsewhere = wanted.isovalue != scene().isovalue;
+  {
+    const std::lock_guard lock(engines_);
+    if (!is_ready_) throw Error(Error::Code::kDevice, "the engine", "it is being made anew", "ask again in a moment");
+    if (goes_elsewhere && !engine_->canChangeIsovalue())
+      refuse("isovalue", "what is on the device serves the first one alone", "change it in the scene and start again");
+    if (rig_ == nullptr) {
+      checkHasGradients(wanted.algorithm, engine_->gradientEverywhere());
+      static_cast<void>(makeAlgorithm(settingsOf(wanted), RigVolume{.scale = engine_->scale()}));  // or says why not
+    }
+  }
+  if (rig_ != nullptr) rig_->change(settingsOf(wanted));
+  {
+    const std::lock_guard lock(mutex_);
+    const std::string filter = scene_.filter;
+    scene_ = wanted;
+    scene_.filter = filter;
+    if (goes_elsewhere) isovalue_done_.push_back(std::move(done));
+  }
+  if (!goes_elsewhere) done({});
 }
 
 }  // namespace palpate

@@ -5,9 +5,12 @@
 // A thread of its own does the engine's work: edits, pictures, and windows for the servo, with a rig (apps/rig). What
 // clients ask for comes from other threads and is done by that one in order, whether a servo is there or not. An edit
 // is answered when it is on the disk, in the journal. When the servo goes, the engine goes on without; the next one is
-// taken as soon as it connects.
-//   A service that was killed finds its journal again: its edits are made again first.
-// Threads: one makes, starts and closes it; all other functions by any. `tell` is called by several, one at a time.
+// taken as soon as it has made its device, which another thread waits for.
+//   If the Vulkan device is lost, or other filters are asked for, the engine is made anew from the volume's file and
+//   the
+// journal, as after a kill, but in this process: clients stay, what they ask for meanwhile waits, and the servo goes
+// over to the new engine's windows.
+// Threads: one makes, starts and closes it; all other functions by any. `tell` is called by several at once.
 #pragma once
 
 #include <atomic>
@@ -16,37 +19,23 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "apps/live/live_volume.hpp"
-#include "apps/render/fit_camera.hpp"
-#include "apps/rig/live_view.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
-#include "apps/serve/kept_journal.hpp"
+#include "apps/serve/lost_engines.hpp"
+#include "apps/serve/picture_queue.hpp"
+#include "apps/serve/served_engine.hpp"
+#include "apps/serve/served_status.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "service/channel/channel.hpp"
 
 namespace palpate {
-
-struct ServedStatus {
-  bool servo = false;           // one is there
-  std::uint64_t servos = 0;     // that have come so far
-  ToolPose pose;                // of the newest one; tick -1: none
-  std::int64_t pose_at_ns = 0;  // when it was seen (CLOCK_MONOTONIC)
-  std::string device;           // of the servo
-  std::uint64_t windows = 0;    // that the servo has read, as its poses say
-  std::size_t waiting = 0;      // edits that are made but not on the disk
-  std::uint64_t content_version = 0, edits = 0, refused = 0;
-  std::size_t undoable = 0, redoable = 0;
-  bool unsaved = false;
-  std::uint64_t journal_bytes = 0;
-  std::string journal_failure;
-};
 
 class ServedVolume {
  public:
@@ -56,8 +45,7 @@ class ServedVolume {
     std::string commit;             // of this program
   };
   using Tell = std::function<void(const std::string&)>;
-  // Throws Error as LiveVolume does; kBadInput for a scene that cannot be served: with a simulated clock, a recording,
-  // a brush of its own, or an algorithm that touches a mesh, which would not follow the edits.
+  // Throws Error as checkServable() and ServedEngine do.
   ServedVolume(const Request& request, Progress& progress, Tell tell);
   ~ServedVolume();
   ServedVolume(const ServedVolume&) = delete;
@@ -67,80 +55,110 @@ class ServedVolume {
   // Ends the thread, finishes what was asked for and closes the session; the journal stays if an edit is in effect.
   // Throws what ended the engine, and as LiveVolume::close().
   void close();
-  // The engine has failed; close() throws why.
+  // The engine has failed for good; close() throws why.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
 
   // A servo that has connected, and said this. False: one is there already.
   [[nodiscard]] bool attach(Channel channel, const wire::HelloT& hello);
 
+  // Each `done` is called once, by any thread, with what became of it.
   using Done = std::function<void(const std::optional<Error>& refusal)>;
   void edit(std::vector<EditCommand> commands, Done done);
   void undo(Done done);
   void redo(Done done);
   void save(const std::string& file, std::function<void(const LiveVolume::Saved&)> done);
-  // The whole object from in front, as PNG; drawn beside windows and edits. One at a time: a later one waits.
-  void render(int width, int height, std::function<void(RenderedImage, const std::string& failure)> done);
+  // The whole object from in front, with every edit made until now; drawn beside windows and edits, one at a time.
+  // Throws as PictureQueue::ask().
+  void render(int width, int height, PictureQueue::Done done);
+  // The filters that the field goes through before it is felt (engine/filter), from now on; empty: none. The engine is
+  // made anew with them; if it cannot be, with those that there were.
+  void filter(const std::string& chain, Done done);
   [[nodiscard]] Scene scene() const;
-  // Live settings (live_setting.hpp); the servo takes them between two ticks. Throws Error as TouchRig::change() does.
-  void change(const Scene& scene);
+  // Live settings (live_setting.hpp); the servo takes them between two ticks. `done`: an isovalue is in effect, or was
+  // refused. Throws Error(kBadInput), and changes nothing, as TouchRig::change() does.
+  void change(const Scene& scene, Done done);
   [[nodiscard]] ServedStatus status() const;
   [[nodiscard]] const Vec3i& size() const noexcept { return size_; }
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
+  [[nodiscard]] const BrushProfile& profile() const noexcept { return profile_; }  // of edits
+  [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
 
  private:
   struct Written {  // an edit that was made, and its record's number in the journal
     std::uint64_t record = 0;
     Done done;
   };
-  struct Drawing {
-    ViewRequest request;
-    std::function<void(RenderedImage, const std::string& failure)> done;
-  };
+  using Order = std::function<void(ServedEngine*)>;  // null: no engine will come
+  using Change = std::function<void(RigEdits&, Done)>;
+  enum class When { kNow, kWithTheNextEngine };
   void run();
-  void feel(Channel channel, const wire::HelloT& hello);
+  void work();
+  void feel(std::unique_ptr<RemoteServo> servo);
   void lookAlone();
-  bool lookAround(std::int64_t now_ns);
+  bool lookAround();
+  void noteMemory(std::int64_t now_ns);
   void settle();
-  bool drawOn();
-  void noteStatus();
+  void makeAnew();
+  void makeEngine(const Scene& scene);
+  void noteLost();
+  [[nodiscard]] bool mustBeMadeAnew() const;
   void lendRig(TouchRig* rig);
-  void heedRefusal(TouchRig& rig);
+  void heedRig(TouchRig& rig);
+  void takeIsovalueAlone();
+  void endIsovalue(const std::optional<Error>& refusal, double in_use);
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
-  [[nodiscard]] Channel takeNext(wire::HelloT& hello);
+  [[nodiscard]] std::unique_ptr<RemoteServo> takeNext();
+  void greet(Channel channel, const wire::HelloT& hello);
+  void order(Order order, When when);
+  void ask(Change change, Done done, When when);
+  void refuseWaiting();
   [[nodiscard]] Done onDisk(Done done);
-  [[nodiscard]] RigSettings firstSettings() const;
+  [[nodiscard]] RigSettings settingsOf(const Scene& scene) const;
 
   const std::string commit_;
   const Tell tell_;
-  std::optional<KeptJournal> journal_;  // held as long as the session writes to it
-  std::optional<LiveVolume> live_;
+  const std::filesystem::path journal_;
+  const Scene first_scene_;  // whose device servos make
+  // Of the volume, which does not change:
+  double first_isovalue_ = 0;
   Vec3i size_;
   Lattice lattice_;
-  std::optional<SampledPath> way_;
+  BrushProfile profile_;
   VolumeBox box_;
+  std::optional<SampledPath> way_;  // of a device that nobody holds
   SeenExtent seen_;
-  DensityScale scale_;
-  double lowest_ = 0, highest_ = 0;  // densities
-  bool other_isovalues_ = true, gradient_everywhere_ = false;
-  LiveView view_;
-  std::deque<Written> written_;         // engine's thread
-  std::optional<Drawing> drawing_;      // engine's thread
-  std::unique_ptr<RemoteServo> servo_;  // engine's thread; the last one, whose memory the engine may still write to
-  std::string servos_trouble_;          // why the last servo did not come to be; told once
-  std::uint64_t drawing_from_ = 0;      // edits that it must show
-  std::mutex changers_;                 // guards the next; held while the rig takes a change
+  std::size_t window_samples_ = 0;
+  // Engine's thread:
+  std::unique_ptr<RemoteServo> servo_;  // the last one, whose memory the engine may still write to
+  std::unique_ptr<ServedEngine> engine_;
+  std::deque<Written> written_;
+  std::string servos_trouble_;  // why the last servo did not come to be; told once
+  LostEngines lost_;
+  PictureQueue pictures_;
+  std::int64_t memory_at_ns_ = 0;
+  std::atomic<std::uint64_t> unwritten_{0};  // length of written_
+
+  mutable std::recursive_mutex engines_;  // guards the next, and who gives orders to engine_
+  bool is_ready_ = true;                  // false: the engine is being made anew
+  std::deque<Order> put_off_;
+
+  std::mutex changers_;  // guards the next; held while the rig takes a change
   TouchRig* rig_ = nullptr;
+
   mutable std::mutex mutex_;  // guards what follows
   Scene scene_;
-  Channel next_;
-  wire::HelloT hello_;
+  std::optional<std::string> wanted_filter_;
+  Done filter_done_;
+  std::vector<Done> isovalue_done_;
+  std::unique_ptr<RemoteServo> next_;
   bool has_servo_ = false;
-  std::deque<Drawing> drawings_;
   ServedStatus status_;
+
   std::atomic<bool> stop_{false}, failed_{false};
   std::exception_ptr failure_;
   bool closed_ = false;
-  std::jthread thread_;  // last member: it uses the others
+  std::jthread greeter_;  // waits for a servo that makes its device
+  std::jthread thread_;   // last members: they use the others
 };
 
 }  // namespace palpate

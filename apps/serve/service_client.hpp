@@ -3,6 +3,7 @@
 // thread; blocks.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,9 @@ class ServiceClient {
   // Throws Error: what the service refuses; kDevice if it ends or does not answer within `most_ms` [ms]; kBadInput as
   // MessageChannel does; kCancelled on Ctrl-C, when the service may still do what was asked.
   [[nodiscard]] ServiceAnswer ask(wire::Verb verb, std::vector<std::string> words = {}, int most_ms = 60'000);
+
+  // The same; empty: it does not answer within `most_ms` [ms].
+  [[nodiscard]] std::optional<ServiceAnswer> tryToAsk(wire::Verb verb, std::vector<std::string> words, int most_ms);
 
  private:
   MessageChannel channel_;

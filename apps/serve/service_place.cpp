@@ -25,6 +25,10 @@ std::string usualSocket() {
   return (folder / "service.sock").string();
 }
 
+std::string socketOf(const Scene& scene) {
+  return scene.service_socket.empty() ? usualSocket() : scene.service_socket;
+}
+
 void makeSocketFolder(const std::string& socket) {
   const fs::path folder = fs::absolute(socket).parent_path();
   std::error_code failed;

@@ -6,11 +6,15 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/scene/scene.hpp"
+
 namespace palpate {
 
 // The socket that is used if none is named: service.sock in the folder "palpate" of the user's runtime folder
 // (XDG_RUNTIME_DIR), or where there is none in /tmp/palpate-UID.
 [[nodiscard]] std::string usualSocket();
+// That of a scene: where it says, or the usual one.
+[[nodiscard]] std::string socketOf(const Scene& scene);
 
 // Makes the socket's folder, for this user alone. Throws Error(kIo) if it cannot be made, or if the usual one belongs
 // to somebody else.

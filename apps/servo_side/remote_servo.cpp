@@ -55,11 +55,11 @@ class RemoteServo::Proxy final : public Device {
 
 RemoteServo::RemoteServo(Channel channel, const Request& request)
     : channel_(std::move(channel), "the servo"),
-      patience_ms_(request.patience_ms),
+      loop_patience_ms_(request.loop_patience_ms),
       memory_(request.window_samples),
       tool_(memory_.tool()) {
   const wire::HelloT hello =
-      request.hello != nullptr ? *request.hello : channel_.expect<wire::HelloT>(patience_ms_).first;
+      request.hello != nullptr ? *request.hello : channel_.expect<wire::HelloT>(request.patience_ms).first;
   if (hello.layout != kLinkLayout)
     refuse("the servo", "it knows another layout of the memory that both share", "build all programs from one version");
   if (hello.commit != request.commit) {
@@ -80,7 +80,7 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
     make.way_is_linear = request.way->interpolation() == SampledPath::Interpolation::kLinear;
   }
   channel_.send(std::move(make), way.descriptor());
-  const auto made = channel_.expect<wire::DeviceMadeT>(patience_ms_).first;
+  const auto made = channel_.expect<wire::DeviceMadeT>(request.patience_ms).first;
   device_ = std::make_unique<Proxy>(made);
   if (made.is_placed) placed_ = {made.place_scale, made.force_scale};
   if (made.session_stiffness_N_per_m > 0) session_ = {made.session_stiffness_N_per_m, made.session_damping_Ns_per_m};
@@ -120,7 +120,7 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
   make.doubtful = loop.instability.doubtful;
   make.window_samples = memory_.capacity();
   channel_.send(std::move(make), memory_.descriptor());
-  static_cast<void>(channel_.expect<wire::LoopMadeT>(patience_ms_));
+  static_cast<void>(channel_.expect<wire::LoopMadeT>(loop_patience_ms_));
 }
 
 std::uint64_t RemoteServo::give(ServoChange change, const RigSettings& settings) {

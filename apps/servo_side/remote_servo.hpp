@@ -36,7 +36,8 @@ class RemoteServo final : public ServoSide {
     std::size_t recorded_reads = 0;       // of the device, to keep for recording(); 0: none
     std::string commit = {};              // of this program, which must be the servo's
     const wire::HelloT* hello = nullptr;  // the servo's first message, if it was read already
-    int patience_ms = 120'000;            // while the servo makes a device, or a mesh's search tree
+    int patience_ms = 120'000;            // while the servo makes a device
+    int loop_patience_ms = 120'000;       // while it makes a loop, with a mesh's search tree
   };
   // Makes the device over there. Throws Error: as makeSceneDevice() does; kDevice, kBadInput as MessageChannel does.
   RemoteServo(Channel channel, const Request& request);
@@ -89,7 +90,7 @@ class RemoteServo final : public ServoSide {
   void listen();
 
   MessageChannel channel_;
-  const int patience_ms_;
+  const int loop_patience_ms_;
   std::unique_ptr<Proxy> device_;
   std::optional<PlacedScales> placed_;
   std::optional<RecordedContact> session_;

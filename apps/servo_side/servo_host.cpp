@@ -245,6 +245,7 @@ class ServoHost::Impl {
              .algorithm = std::move(algorithm),
              .force_limit_N = force_limit_N,
              .doubtful = doubtful};
+    changes_->withdraw();  // the former engine's
     links_->give(link_);
     awaitLink([](ServoLinks::State state) { return state != ServoLinks::State::kGiven; });
   }
@@ -259,8 +260,9 @@ class ServoHost::Impl {
   // Once the loop has gone over nothing uses the former engine's memory.
   void takeLinked() {
     if (!next_) return;
-    if (links_->state() == ServoLinks::State::kDone) end_ = std::move(next_);
-    if (links_->state() != ServoLinks::State::kNone) return;
+    const ServoLinks::State state = links_->state();
+    if (state != ServoLinks::State::kDone && state != ServoLinks::State::kNone) return;
+    if (state == ServoLinks::State::kDone) end_ = std::move(next_);
     next_.reset();
     link_ = {};
   }

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <thread>
 
@@ -21,10 +20,13 @@ constexpr int kTheirs = 3;  // the descriptor over there
 
 }  // namespace
 
-ServoProcess::ServoProcess() {
+std::filesystem::path servoProgram() {
   std::error_code unknown;
-  const std::filesystem::path program =
-      std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path() / "palpate-servo";
+  return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path() / "palpate-servo";
+}
+
+ServoProcess::ServoProcess() {
+  const std::filesystem::path program = servoProgram();
   auto [ours, theirs] = channelPair();
   std::string name = "palpate-servo", flag = "--channel", number = std::to_string(kTheirs);
   char* const words[] = {name.data(), flag.data(), number.data(), nullptr};

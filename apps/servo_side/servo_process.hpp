@@ -2,15 +2,20 @@
 // apps/servo_side/servo_process.hpp: starts a servo's process beside this one, and ends it. Set-up code. Linux only.
 #pragma once
 
+#include <filesystem>
+
 #include <sys/types.h>
 
 #include "service/channel/channel.hpp"
 
 namespace palpate {
 
+// Where the servo's program lies: in the folder of this one.
+[[nodiscard]] std::filesystem::path servoProgram();
+
 class ServoProcess {
  public:
-  // `palpate-servo`, from the folder of this program. Throws Error: kNotFound if it is not there, kIo if no process can
+  // Starts servoProgram(). Throws Error: kNotFound if it is not there, kIo if no process can
   // be started.
   ServoProcess();
   // Waits for its end, since it has a device to bring to rest: for kPatience_ms, then it is killed. Close the channel

@@ -95,6 +95,4 @@ class Drawing {
   double tile_s_;  // device time of a tile, of the last pieces
 };
 
-[[nodiscard]] RenderedImage asImage(int width, int height, std::span<const layout::PicturePixel> pixels);
-
 }  // namespace palpate

@@ -18,10 +18,11 @@ vk::raii::DescriptorPool makePool(const vk::raii::Device& device, std::uint32_t 
 
 // What the driver throws becomes an Error that names the device and the work.
 template <typename Work>
-void guarded(const Gpu::State& gpu, const std::string& name, Work work) {
+void guarded(Gpu::State& gpu, const std::string& name, Work work) {
   try {
     work();
   } catch (const vk::SystemError& error) {
+    if (error.code() == vk::Result::eErrorDeviceLost) gpu.failed.store(true);
     throw Error(Error::Code::kDevice, gpu.info.name, fmt::format("the driver failed in '{}' ({})", name, error.what()),
                 "try again, use a smaller volume, or choose another device with --gpu");
   }

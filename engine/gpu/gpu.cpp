@@ -36,6 +36,7 @@ void Gpu::State::submit(const vk::SubmitInfo& work) {
 void Gpu::State::wait(std::uint64_t value) {
   const vk::SemaphoreWaitInfo until{.semaphoreCount = 1, .pSemaphores = &*timeline, .pValues = &value};
   if (device.waitSemaphores(until, kWaitLimit_ns) != vk::Result::eSuccess) {
+    failed.store(true);
     throw Error(Error::Code::kDevice, info.name, "a kernel did not finish within 60 s",
                 "check the driver's log; try another device with --gpu");
   }
@@ -63,6 +64,10 @@ Gpu::~Gpu() {
     state_->wait(state_->submitted);
   } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): a lost device has nothing left to wait for
   }
+}
+
+bool Gpu::failed() const noexcept {
+  return state_->failed.load();
 }
 
 const GpuInfo& Gpu::info() const noexcept {

@@ -51,6 +51,8 @@ class Gpu {
   Gpu& operator=(const Gpu&) = delete;
 
   [[nodiscard]] const GpuInfo& info() const noexcept;
+  // The device was lost, or a kernel did not end: nothing more can be asked of it.
+  [[nodiscard]] bool failed() const noexcept;
   [[nodiscard]] std::uint64_t bytesInUse() const noexcept;  // of all buffers [byte]
   [[nodiscard]] GpuUse use() const;
 

@@ -34,6 +34,7 @@ struct Gpu::State {
   vk::raii::CommandPool command_pool = nullptr;
   vk::raii::Semaphore timeline = nullptr;  // counts submissions
   std::uint64_t submitted = 0;             // the value of the newest submission
+  std::atomic<bool> failed{false};         // Gpu::failed()
   std::atomic<std::uint64_t> bytes_in_use = 0;
 
   // What gpu_use.hpp shows. Kernels are shared by all Gpus of a device, and each Gpu counts its own dispatches.

@@ -46,7 +46,7 @@ void Engine::timeKernels(bool on) noexcept {
   parts_->editor()->timeKernels(on);
 }
 bool Engine::broken() const noexcept {
-  return parts_->editor()->broken();
+  return parts_->deviceFailed() || parts_->editor()->broken();
 }
 const BrushProfile& Engine::profile() const noexcept {
   return parts_->editor()->profile();

@@ -79,7 +79,7 @@ class Engine {
   EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
   void timeKernels(bool on) noexcept;  // adds an edit's kernels to EditResult::stages
   // These do what the functions of Editor with the same names do. Call them once edits are allowed.
-  [[nodiscard]] bool broken() const noexcept;
+  [[nodiscard]] bool broken() const noexcept;  // or the device has failed
   [[nodiscard]] const BrushProfile& profile() const noexcept;
   [[nodiscard]] BrickContent content(std::uint32_t brick) const;
   [[nodiscard]] bool isStored(std::uint32_t brick) const noexcept;

@@ -57,6 +57,7 @@ class EngineParts {
   [[nodiscard]] RenderedImage picture();
   [[nodiscard]] std::vector<layout::BrickBounds> boundsNow();  // of every brick of the field that is felt
   [[nodiscard]] std::vector<MemoryFigure> memory() const;
+  [[nodiscard]] bool deviceFailed() const noexcept { return gpu_.failed(); }
   [[nodiscard]] gpu::GpuUse gpuUse() const { return gpu_.use(); }
   [[nodiscard]] PlanFacts planFacts() const noexcept;
 

@@ -55,8 +55,9 @@ sockaddr_un addressOf(const std::string& path) {
   return address;
 }
 
-Descriptor newSocket(const std::string& path) {
-  Descriptor socket(::socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+Descriptor newSocket(const std::string& path, Listener::Kind kind) {
+  const int type = kind == Listener::Kind::kStream ? SOCK_STREAM : SOCK_SEQPACKET;
+  Descriptor socket(::socket(AF_UNIX, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket)
     refuseSocket(path, Error::Code::kIo, formatted("no socket can be made ({})", std::strerror(errno)),
                  "raise the limit of open files (ulimit -n)");
@@ -167,18 +168,18 @@ std::pair<Channel, Channel> channelPair() {
 }
 
 // Its rights are the socket's before it gets its name, so at no moment may another user open it.
-Listener::Listener(std::string path) : path_(std::move(path)) {
+Listener::Listener(std::string path, Kind kind) : path_(std::move(path)) {
   const sockaddr_un address = addressOf(path_);
   struct stat facts {};
   if (lstat(path_.c_str(), &facts) == 0) {
     if (!S_ISSOCK(facts.st_mode))
       refuseSocket(path_, Error::Code::kBadInput, "something else lies there", "name another place for the socket");
-    if (connectSocket(newSocket(path_), address) != ECONNREFUSED)
+    if (connectSocket(newSocket(path_, kind), address) != ECONNREFUSED)
       refuseSocket(path_, Error::Code::kIo, "somebody listens there already",
                    "stop that service, or name another socket");
     unlink(path_.c_str());
   }
-  Descriptor socket = newSocket(path_);
+  Descriptor socket = newSocket(path_, kind);
   if (fchmod(socket.get(), S_IRUSR | S_IWUSR) != 0 ||
       bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       listen(socket.get(), kWaiting) != 0)
@@ -201,7 +202,7 @@ Channel Listener::accept() {
 
 Channel connectTo(const std::string& path) {
   const sockaddr_un address = addressOf(path);
-  Descriptor socket = newSocket(path);
+  Descriptor socket = newSocket(path, Listener::Kind::kPackets);
   const int why = connectSocket(socket, address);
   if (why == ENOENT || why == ECONNREFUSED)
     refuseSocket(path, Error::Code::kNotFound, "no service listens there",

@@ -61,7 +61,9 @@ class Listener {
  public:
   // Takes the place of a socket at which nobody listens any more. Throws Error: kBadInput for a path that is too long
   // for a socket, or at which something else lies; kIo if somebody listens there, or for the system's reason.
-  explicit Listener(std::string path);
+  // `kind`: whole packets for channels, or a stream of bytes for other programs.
+  enum class Kind : std::uint8_t { kPackets, kStream };
+  explicit Listener(std::string path, Kind kind = Kind::kPackets);
   ~Listener();  // removes it
   Listener(Listener&& other) noexcept : path_(std::move(other.path_)), socket_(std::move(other.socket_)) {}
 

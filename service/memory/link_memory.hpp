@@ -20,7 +20,7 @@
 namespace palpate {
 
 // Counted up with every change of LinkBlock or of what it holds.
-inline constexpr std::uint32_t kLinkLayout = 1;
+inline constexpr std::uint32_t kLinkLayout = 2;
 
 struct LinkHeader {
   std::uint64_t magic = 0x4b4e494c50414c50;  // "PLAPLINK", little-endian

@@ -32,6 +32,10 @@ std::uint64_t ServoChanges::give(ServoChange change) {
   return number;
 }
 
+void ServoChanges::withdraw() {
+  const std::unique_ptr<ServoChange> untaken(given_.exchange(nullptr, std::memory_order_acquire));
+}
+
 ServoChange* ServoChanges::take() noexcept {
   if (given_.load(std::memory_order_relaxed) == nullptr) return nullptr;
   return given_.exchange(nullptr, std::memory_order_acquire);

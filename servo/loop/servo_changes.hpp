@@ -3,7 +3,7 @@
 // wait.
 //
 // Once a tick the servo takes the newest change, or none. What it no longer needs it hands back, so that it never frees
-// memory. Threads: give() by any thread; take() and done() by the servo's. Cost: take() one load, and one exchange if
+// memory. Threads: give() and withdraw() by any thread; take() and done() by the servo's. Cost: take() one load, and one exchange if
 // there is a change; done() one store. Wait-free on the servo's side, a lock on the other.
 #pragma once
 
@@ -36,6 +36,8 @@ class ServoChanges {
   // Error(kBadInput) for a force limit that is not above 0; then nothing changes.
   // Returns the change's number; the newest has the highest.
   std::uint64_t give(ServoChange change);
+  // Takes back what the servo has not taken yet.
+  void withdraw();
   // Whether the servo has taken the change of this number and completed it: nothing that it replaced runs any more. Any
   // thread.
   [[nodiscard]] bool ended(std::uint64_t number) const noexcept {

@@ -4,7 +4,7 @@
 //
 // The servo tells its pose in the new mailbox too, so that the new engine knows where a window is needed. Once that has
 // published one, the servo goes over to it between two ticks, and takes up its contact there. Until then it keeps what
-// it had. The force is the safety gate's: one that had faded, as the old windows had grown stale, grows from nothing.
+// it had, and takes no changes, which are the new engine's. The force is the safety gate's: one that had faded, as the old windows had grown stale, grows from nothing.
 // Threads: one thread gives links and takes them back; the servo's thread makes the other calls. Cost on the servo's
 // side: a load, a store; wait-free. Heap, errors: none.
 #pragma once
@@ -57,7 +57,7 @@ class ServoLinks {
     State given = State::kGiven;
     state_.compare_exchange_strong(given, State::kHeard, std::memory_order_acq_rel);
   }
-  // Servo, when it has gone over and its tick is done.
+  // Servo, when it has gone over: it uses nothing of what it had before.
   void done() noexcept { state_.store(State::kDone, std::memory_order_release); }
 
  private:

@@ -208,7 +208,8 @@ void ServoLoop::runOnGrid(Clock& clock) {
 
     last_tick = tick++;
     const bool overrun = done_ns > start_ns + offset_ns(tick);
-    if (overrun) record.faults |= bit(ServoFault::kOverrun);
+    overrun_ = overrun ? bit(ServoFault::kOverrun) : 0;
+    record.faults |= overrun_;
     if (live_ != nullptr) live_->add(record);
     if (!overrun) continue;
     const std::int64_t next = firstTickFrom(tick, done_ns - start_ns);
@@ -233,7 +234,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   TickOutput out;
   std::int64_t report_age_ns = 0;
   if (readDevice(due.elapsed_ticks, gap_ns, report_age_ns)) {
-    if (changes_ != nullptr && change_ == nullptr) beginChange(window);
+    if (changes_ != nullptr && change_ == nullptr && link == nullptr) beginChange(window);
     tickAlgorithm({hip_W_, velocity_.value(), &window}, out);
     last_ = out;
   } else {
@@ -255,16 +256,17 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
-  const ToolPose pose{hip_W_,          velocity_.value(), due.tick, now_ns,        last_.at_surface,
-                      last_.surface_W, out.normal_W,      held_W,   window.version};
-  tool_->back() = pose;
+  tool_->back() = {hip_W_,           velocity_.value(),
+                   due.tick,         now_ns,
+                   last_.at_surface, last_.surface_W,
+                   out.normal_W,     held_W,
+                   window.version,   gated.faults | carried_faults_ | std::exchange(overrun_, 0U)};
+  if (link != nullptr) link->tool->back() = tool_->back();
   tool_->publish();
   if (link != nullptr) {
-    link->tool->back() = pose;
     link->tool->publish();
     links_->heard();
   }
-  if (std::exchange(went_over_, false)) links_->done();
   ++ticks_run_;
 
   record.tick = due.tick;
@@ -294,7 +296,8 @@ Vec3 ServoLoop::freePlace(const SampleWindow& window) const noexcept {
   return last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing());
 }
 
-// The link to another engine that has no window yet, if one is offered. Goes over to one that has.
+// The link to another engine that has no window yet, if one is offered. Goes over to one that has. Changes that come
+// meanwhile are that engine's, and wait.
 ServoLink* ServoLoop::lookForLink() noexcept {
   ServoLink* const link = links_ != nullptr ? links_->offered() : nullptr;
   if (link == nullptr || change_ != nullptr || !link->windows->latest().usable()) return link;
@@ -305,9 +308,6 @@ ServoLink* ServoLoop::lookForLink() noexcept {
 // Nothing of the old windows is used any more. Their age means nothing for the new ones.
 void ServoLoop::goOver(ServoLink& link) noexcept {
   const Vec3 free_W = freePlace(windows_->latest());
-  // A change that nobody has taken was the former engine's.
-  if (ServoChange* const stale = changes_ != nullptr ? changes_->take() : nullptr; stale != nullptr)
-    changes_->done(stale);
   windows_ = link.windows;
   tool_ = link.tool;
   window_clock_ = WindowClock(nanoseconds(parameters_.safety.stall_s));
@@ -316,7 +316,7 @@ void ServoLoop::goOver(ServoLink& link) noexcept {
   algorithm_ = link.algorithm.get();
   std::swap(given_algorithm_, link.algorithm);
   algorithm_->resume(free_W, hip_W_);
-  went_over_ = true;
+  links_->done();
 }
 
 // Takes a change, if there is one. A new algorithm takes over a contact from a point in front of its surface.

@@ -153,11 +153,11 @@ class ServoLoop {
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
+  std::uint32_t overrun_ = 0;         // of the last tick: its bit
   TickOutput last_;                   // the algorithm's last output
   ServoChanges* changes_ = nullptr;
   LiveTicks* live_ = nullptr;
   ServoLinks* links_ = nullptr;
-  bool went_over_ = false;                      // to the link, in this tick
   ServoChange* change_ = nullptr;               // the change under way; null: none
   Algorithm* leaving_ = nullptr;                // the algorithm that it replaces; null: it replaces none
   std::unique_ptr<Algorithm> given_algorithm_;  // owns algorithm_, if that came with a change

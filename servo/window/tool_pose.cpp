@@ -31,6 +31,7 @@ void ToolPoseMailbox::publish() noexcept {
   record.time_ns = back_.time_ns;
   record.window_version = back_.window_version;
   record.at_surface = back_.at_surface ? 1 : 0;
+  record.faults = back_.faults;
   buffer_.publish();
 }
 
@@ -49,6 +50,7 @@ void ToolPoseMailbox::takeFront() noexcept {
   pose.time_ns = record.time_ns;
   pose.window_version = record.window_version;
   pose.at_surface = record.at_surface != 0;
+  pose.faults = static_cast<std::uint32_t>(record.faults);
   const bool is_place = isSane(pose.position_W) && isSane(pose.velocity_W) && isSane(pose.surface_W) &&
                         isSane(pose.normal_W) && isSane(pose.force_W);
   if (is_place) latest_ = pose;

@@ -24,6 +24,7 @@ struct ToolPose {
   Vec3 normal_W = Vec3::Zero();      // of the contact, out of the object; zero without contact [-]
   Vec3 force_W = Vec3::Zero();       // what the device was sent last, after the safety gate [N]
   std::uint64_t window_version = 0;  // of the window that this tick read; 0: none
+  std::uint32_t faults = 0;          // bits of servo/safety/faults.hpp; an overrun is the tick's before
 };
 
 // A pose as it lies in the mailbox.
@@ -32,8 +33,9 @@ struct ToolPoseRecord {
   std::int64_t tick = -1, time_ns = 0;
   std::uint64_t window_version = 0;
   std::uint64_t at_surface = 0;  // 0 or 1
+  std::uint64_t faults = 0;
 };
-static_assert(std::is_trivially_copyable_v<ToolPoseRecord> && sizeof(ToolPoseRecord) == 152);
+static_assert(std::is_trivially_copyable_v<ToolPoseRecord> && sizeof(ToolPoseRecord) == 160);
 using ToolPoseBlock = TripleBlock<ToolPoseRecord>;
 static_assert(sizeof(ToolPoseBlock) == 3 * 192 + 64);
 

@@ -2,8 +2,7 @@
 // A Vulkan layer that loses surfaces and devices. Whenever the file that PALPATE_VULKAN_FAULT names is there, the next
 // call that it names fails as it says, and the file is removed: "acquire -1000000000" (VK_ERROR_SURFACE_LOST_KHR). A
 // third word, a number, lets so many of these calls pass before: "submit -4 50" (VK_ERROR_DEVICE_LOST).
-// A surface that is lost stays so until it is destroyed, and a device whose submission fails stays lost until the
-// process ends.
+// A surface that is lost stays so until it is destroyed, and devices are lost until another one is made.
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -94,6 +93,7 @@ VkResult createDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo* info,
   const auto create = reinterpret_cast<PFN_vkCreateDevice>(instance_next(instance, "vkCreateDevice"));
   const VkResult result = create(physical, info, allocator, made);
   if (result == VK_SUCCESS) nextOf(*made) = {instance, *made, nullptr, device_next};
+  device_is_lost = false;
   return result;
 }
 

@@ -2,10 +2,12 @@
 #include "apps/console/message.hpp"
 
 #include <cerrno>
+#include <sstream>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/console/progress.hpp"
 #include "failing_memory.hpp"
@@ -17,6 +19,36 @@ namespace message_test {
 TEST(Messages, AreALineThatNoNameCanBreak) {
   const Ended ended = inChild([] { tellUser("a\nb\033[2Kc.vdb: it is gone; look for it"); });
   EXPECT_EQ(ended.err, "palpate: a?b?[2Kc.vdb: it is gone; look for it\n");
+}
+
+// For programs: whatever a name holds, a line is one object, and progress says nothing between.
+TEST(Messages, AreObjectsOfJsonWhereAsked) {
+  const Ended ended = inChild([] {
+    setMessageForm(MessageForm::kJson);
+    Progress progress;
+    progress.stage("loading");
+    tellUser("a\"b\n\xff");
+    progress.done();
+    tellError("lost");
+    setMessageForm(MessageForm::kText);
+    tellUser("as before");
+  });
+  std::istringstream lines(ended.err);
+  std::string line;
+  std::getline(lines, line);
+  const nlohmann::json first = nlohmann::json::parse(line);
+  EXPECT_THAT(std::string(first["message"]), testing::StartsWith("a\"b?"));
+  EXPECT_EQ(first["level"], "info");
+  EXPECT_GT(first["pid"], 0);
+  EXPECT_EQ(first["program"], program_invocation_short_name);
+  EXPECT_THAT(std::string(first["time"]),
+              testing::MatchesRegex("20[0-9][0-9]-[0-9][0-9]-[0-9][0-9]T[0-9:]+[.][0-9][0-9][0-9]Z"));
+  std::getline(lines, line);
+  const nlohmann::json second = nlohmann::json::parse(line);
+  EXPECT_EQ(second["level"], "error");
+  EXPECT_EQ(second["message"], "lost");
+  std::getline(lines, line);
+  EXPECT_EQ(line, "palpate: as before");
 }
 
 void giveStream(int stream, const char* name) {

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate serve`, `servo`, `ctl` and `top`: processes that come and go.
+#include <fstream>
+#include <set>
+#include <sstream>
+
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 
+#include "base/atomic_file.hpp"
 #include "engine/files/volume_file.hpp"
 #include "service_processes.hpp"
+#include "tests/support/unix_stream.hpp"
 
 namespace palpate {
 namespace serve_test {
@@ -15,6 +21,32 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr const char* kSphere = "phantom:sphere?size=32";
+
+// A Vulkan layer that loses the device when it is told to (tests/support/vulkan_faults_layer.cpp).
+class LosesDevices {
+ public:
+  explicit LosesDevices(const std::filesystem::path& folder) : order_(folder / "fault") {
+    std::filesystem::create_directories(folder / "layers");
+    std::ofstream(folder / "layers/faults.json")
+        << R"({"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_palpate_faults", "type": "GLOBAL", )"
+        << R"("api_version": "1.3.0", "implementation_version": "1", "description": "loses the device", )"
+        << R"("library_path": ")" << PALPATE_FAULTS_LAYER << R"("}})";
+    setenv("VK_INSTANCE_LAYERS", "VK_LAYER_palpate_faults", 1);
+    setenv("VK_LAYER_PATH", ("/usr/share/vulkan/explicit_layer.d:" + (folder / "layers").string()).c_str(), 1);
+    setenv("PALPATE_VULKAN_FAULT", order_.c_str(), 1);
+  }
+  ~LosesDevices() {
+    for (const char* name : {"VK_INSTANCE_LAYERS", "VK_LAYER_PATH", "PALPATE_VULKAN_FAULT"}) unsetenv(name);
+  }
+  LosesDevices(const LosesDevices&) = delete;
+  LosesDevices& operator=(const LosesDevices&) = delete;
+  // With the next submission: VK_ERROR_DEVICE_LOST.
+  void next() const { writeFileAtomically(order_, "submit -4"); }
+  void noMore() const { std::filesystem::remove(order_); }
+
+ private:
+  std::filesystem::path order_;
+};
 
 class Serve : public ServiceTest {
  protected:
@@ -68,6 +100,8 @@ TEST_F(Serve, RefusesWithWords) {
   refused({"undo"}, "undo", "there is no edit to undo");
   refused({"edit", "melt:radius=1mm"}, "melt", "");
   refused({"edit", "undo"}, "undo", "it is not an edit of one place");
+  refused({"edit", "stamp-add:mesh=none.stl:at=0,0,0mm"}, "none.stl", "", 3);
+  refused({"filter", "sharpest:3"}, "sharpest", "");
   refused({"edit", "remove:radius=1mm"}, "remove:radius=1mm", "");
   refused({"edit", "remove:radius=900mm:at=1,1,1mm"}, "radius", "");
   refused({"set", "servo.rate_hz", "500"}, "servo.rate_hz", "it cannot change while the scene is served");
@@ -75,7 +109,7 @@ TEST_F(Serve, RefusesWithWords) {
   refused({"set", "servo.n", "much"}, "servo.n", "");
   refused({"set", "servo.algorithm", "god-object"}, "god-object", "would not follow the edits");
   refused({"set", "servo.algorithm", "avila"}, "avila", "it reads gradients everywhere");
-  refused({"set", "isovalue", "1e9"}, "isovalue", "the densities are -1000 to 1000");
+  refused({"set", "isovalue", "1e9"}, "isovalue", "so there is no isosurface");
   refused({"get", std::string(60'000, 'x')}, "xxx", "no setting of a scene has this key");
   EXPECT_NE(ctl({"edit", std::string(60'000, 'x')}).status, 0);
   EXPECT_THAT(ctl({"get", "servo.stiffness_N_per_m", "isovalue", "servo.algorithm"}).out,
@@ -100,6 +134,18 @@ TEST_F(Serve, RefusesScenesThatCannotBeServed) {
   refused({"--clock", "simulated"}, "a service runs by the real clock");
   refused({"--device", "recorded", "--recording", "a.rec"}, "a service plays no recording back");
   refused({"--edit", "remove:radius=1mm"}, "a service edits what its clients ask for");
+  refused({"--service"}, "a service's servo is in a process of its own already");
+  refused({"--record", "a.rec"}, "a service keeps no recording");
+  refused({"--save-every", "3"}, "a service keeps every edit in its journal");
+  refused({"--out", "there"}, "a service writes no report");
+  refused({"--trace", "off"}, "a service writes no trace");
+  refused({"--stopped-trace", "5"}, "a service writes no trace");
+  refused({"--picture", "off"}, "a service draws when a client asks");
+  refused({"--width", "640"}, "a service draws when a client asks");
+  refused({"--height", "480"}, "a service draws when a client asks");
+  refused({"--save", "a.xyz"}, "a.xyz");
+  refused({"--filter", "sharpest:3"}, "sharpest");
+  refused({"--log", "loud"}, "loud");
   refused({"--algorithm", "god-object"}, "which would not follow the edits");
 }
 
@@ -295,6 +341,197 @@ TEST_F(Serve, HasNothingToReadAgainWithoutAFile) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("no scene file was named"));
   EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 9"));
+}
+
+// The device is lost again and again, while a hand presses and clients edit: the engine is made anew in the same
+// process, clients and servo stay, and what was answered is there.
+TEST_F(Serve, ALostDeviceIsMadeAnew) {
+  const LosesDevices loses(folder());
+  writePress();
+  serve({kSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  const pid_t process = engine.id();
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  const double tick = status()["tick"];
+  std::size_t answered = 0;
+  for (int lost = 0; lost < 3; ++lost) {
+    loses.next();
+    for (int i = 0; i < 4; ++i) {
+      const Outcome edit = ctl({"edit", fmt::format("add:radius=1mm:at={},-12,-12mm", -12 + 2 * (4 * lost + i))});
+      if (edit.status == 0) ++answered;
+      EXPECT_TRUE(edit.status == 0 || edit.err.find("driver") != std::string::npos) << edit.err;
+    }
+    ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["engines"] == lost + 2 && now["force_N"] > 0.3; }))
+        << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  }
+  EXPECT_EQ(engine.id(), process);
+  EXPECT_FALSE(engine.hasEnded());
+  EXPECT_GE(answered, 9U);
+  EXPECT_EQ(status()["undoable"], answered);
+  EXPECT_GT(status()["tick"], tick);  // the very same loop
+  expectSuccess(ctl({"render", "after.png", "--width", "64", "--height", "48"}));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the engine is made anew from the volume and its journal"));
+}
+
+// With nobody there the next edit meets the failure; it is not lost either, as it was not answered.
+TEST_F(Serve, ADeviceThatIsLostForGoodEndsTheService) {
+  const LosesDevices loses(folder());
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  for (int lost = 0; lost < 10 && !engine.hasEnded(); ++lost) {
+    loses.next();
+    static_cast<void>(ctl({"edit", "add:radius=2mm:at=12,-12,-12mm"}));
+  }
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(engine.hasEnded());
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("its device has failed again and again"));
+  loses.noMore();
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  EXPECT_GE(status()["undoable"], 1);  // the journal has what was answered
+}
+
+// Filters are changed while the object is touched: the servo goes over to the filtered field, and the edits stay.
+TEST_F(Serve, IsFeltThroughOtherFilters) {
+  writePress();
+  serve({kSphere, "--path", "press.csv"});
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  const double tick = status()["tick"];
+  // Eroded by more than the tool's depth: there is nothing any more where it is.
+  EXPECT_THAT(ctl({"filter", "erode:3"}).out, HasSubstr("felt through erode:3"));
+  EXPECT_THAT(ctl({"get", "filter"}).out, HasSubstr("filter = erode:3"));
+  ASSERT_TRUE(
+      await([](const nlohmann::json& now) { return now["servo"] == 1 && now["windows"] > 0 && now["force_N"] == 0; }));
+  EXPECT_EQ(status()["undoable"], 1);
+  EXPECT_EQ(status()["engines"], 2);
+  expectSuccess(ctl({"filter", "erode:3"}));  // as it is
+  EXPECT_EQ(status()["engines"], 2);
+  EXPECT_THAT(ctl({"filter"}).out, HasSubstr("without filters"));
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  EXPECT_GT(status()["tick"], tick);
+}
+
+// An isovalue is answered when it is felt, or seen, with a servo or without; one that nothing crosses is not taken.
+TEST_F(Serve, AnotherIsovalueComesAbout) {
+  writePress();
+  serve({kSphere, "--path", "press.csv"});
+  ASSERT_TRUE(awaitService());
+  const auto exported = [&](const std::string& name) {
+    expectSuccess(ctl({"export", name}));
+    return std::filesystem::file_size(file(name));
+  };
+  const auto first = exported("first.stl");
+  expectSuccess(ctl({"set", "isovalue", "500"}));
+  EXPECT_NE(exported("alone.stl"), first);
+  EXPECT_THAT(ctl({"set", "isovalue", "1e9"}).err, HasSubstr("so there is no isosurface"));
+  EXPECT_THAT(ctl({"get", "isovalue"}).out, HasSubstr("isovalue = 500"));
+  expectSuccess(ctl({"set", "isovalue", "0"}));
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  EXPECT_THAT(ctl({"set", "isovalue", "1e9"}).err, HasSubstr("so there is no isosurface"));
+  EXPECT_THAT(ctl({"get", "isovalue"}).out, HasSubstr("isovalue = 0"));
+  expectSuccess(ctl({"set", "isovalue", "900"}));  // a smaller ball, away from the tool
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] < 0.3; }));
+}
+
+// A mesh is named from where the client is, and the edits after it wait for it.
+TEST_F(Serve, StampsMeshes) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"export", "ball.stl"}));
+  expectSuccess(ctl({"edit", "remove:radius=20mm:at=0,0,0mm"}));
+  expectSuccess(ctl({"save", "gone.vdb"}));
+  EXPECT_LT(densityAt("gone.vdb", Vec3(0, 0, 0)), 0);
+  expectSuccess(ctl({"edit", "stamp-add:mesh=ball.stl:at=0,0,0mm", "add:radius=2mm:at=-12,-12,-12mm"}));
+  EXPECT_EQ(status()["undoable"], 2);
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_GT(densityAt("back.vdb", Vec3(0, 0, 0)), 0);
+  EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
+  engine.end(SIGKILL);  // the mesh is in the journal too
+  std::filesystem::remove(file("ball.stl"));
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"save", "again.vdb"}));
+  EXPECT_GT(densityAt("again.vdb", Vec3(0, 0, 0)), 0);
+}
+
+// The second of two pictures of the same size shows the edit between them.
+TEST_F(Serve, PicturesShowEveryEdit) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  const auto drawn = [&](const std::string& name) {
+    expectSuccess(ctl({"render", name, "--width", "96", "--height", "64"}));
+    return contentsOf(file(name));
+  };
+  const std::string before = drawn("a.png");
+  EXPECT_EQ(drawn("b.png"), before);
+  expectSuccess(ctl({"edit", "remove:radius=6mm:at=0,0,11mm", "remove:radius=6mm:at=0,-11,0mm"}));
+  EXPECT_NE(drawn("c.png"), before);
+  expectSuccess(ctl({"undo"}));
+  EXPECT_EQ(drawn("d.png"), before);
+}
+
+// One file says it all; whoever reads messages gets objects of JSON; metrics are at a socket of their own.
+TEST_F(Serve, IsSetUpByOneFile) {
+  write("s.toml",
+        "volume = \"phantom:sphere?size=32\"\n[service]\nsocket = \"own/s.sock\"\n"
+        "metrics_socket = \"own/m.sock\"\nlog = \"json\"\n");
+  serve({"s.toml", "--supervise"});
+  const auto there = [&](const Words& words) { return run(words + Words{"--socket", "own/s.sock"}); };
+  for (int look = 0; look < 1200 && there({"ctl", "status"}).status != 0; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  expectSuccess(there({"ctl", "edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  const int reader = connectedStream(file("own/m.sock").string());
+  sayTo(reader, "GET /metrics HTTP/1.0\r\n\r\n");
+  EXPECT_THAT(readAllOf(reader), HasSubstr("palpate_edits 1\n"));
+  expectSuccess(there({"ctl", "stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::istringstream log(contentsOf(file("serve.log")));
+  int messages = 0;
+  std::set<std::string> programs;
+  for (std::string line; std::getline(log, line); ++messages) {
+    const nlohmann::json one = nlohmann::json::parse(line, nullptr, false);
+    ASSERT_TRUE(one.is_object()) << line;
+    EXPECT_EQ(one["level"], "info") << line;
+    EXPECT_EQ(std::string(one["time"]).size(), std::string("2026-01-31T12:00:00.000Z").size());
+    EXPECT_GT(one["pid"], 1);
+    EXPECT_NE(one["message"], "");
+    programs.insert(one["program"]);
+  }
+  EXPECT_GT(messages, 2);
+  EXPECT_THAT(programs, testing::IsSupersetOf({"palpate", "palpate-servo"}));
+}
+
+// It says that the service has gone, and goes on with the next one.
+TEST_F(Serve, IsWatchedFromEngineToEngine) {
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  RunningProgram top(PALPATE_PROGRAM, {"top", "--every", "0.05"}, folder(), "top.log");
+  const auto told = [&](const std::string& words, std::size_t times) {
+    for (int look = 0; look < 1200; ++look) {
+      const std::string text = contentsOf(file("top.log"));
+      std::size_t found = 0;
+      for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++found;
+      if (found >= times) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  };
+  EXPECT_TRUE(told("off  ", 3)) << contentsOf(file("top.log"));
+  engine.end(SIGKILL);
+  EXPECT_TRUE(told("has ended; Ctrl-C ends the wait", 1)) << contentsOf(file("top.log"));
+  write("top.log", "");
+  serve({kSphere});
+  EXPECT_TRUE(told("off  ", 2)) << contentsOf(file("top.log"));
+  engine.send(SIGSTOP);
+  EXPECT_TRUE(told("does not answer", 1)) << contentsOf(file("top.log"));
+  engine.send(SIGCONT);
+  EXPECT_EQ(WEXITSTATUS(top.end(SIGINT)), 130);
 }
 
 // Whatever clients send, or do not, the service goes on for the others. Its socket is the user's alone.

@@ -62,6 +62,23 @@ TEST(ServoChanges, ThatWereNotTakenAreMadePartOfTheNext) {
   EXPECT_EQ(changes.take(), nullptr);
 }
 
+TEST(ServoChanges, ThatWereTakenBackAreNotMade) {
+  int alive = 0;
+  ServoChanges changes;
+  changes.withdraw();
+  const std::uint64_t taken_back = changes.give({.algorithm = std::make_unique<Counted>(alive)});
+  changes.withdraw();
+  EXPECT_EQ(alive, 0);
+  EXPECT_EQ(changes.take(), nullptr);
+  EXPECT_FALSE(changes.ended(taken_back));
+  changes.give({.force_limit_N = 2.0});
+  ServoChange* const taken = changes.take();
+  ASSERT_NE(taken, nullptr);
+  EXPECT_EQ(taken->algorithm, nullptr);
+  changes.done(taken);
+  EXPECT_TRUE(changes.ended(taken_back));
+}
+
 // Until then what was replaced may still run. One that was made part of the next ends with it.
 TEST(ServoChanges, HaveEndedOnceTheServoIsDoneWithThemOrWithALaterOne) {
   ServoChanges changes;

@@ -52,8 +52,9 @@ struct Takeover {
   std::int64_t works_from = 1210;  // the next engine's first window
   std::int64_t withdrawn_at = -1;
   double limit_N = 5;
-  bool lies = false;      // the first engine's last word is of a time that has not come
-  bool left_one = false;  // it left a change that the servo has not taken
+  bool lies = false;         // the first engine's last word is of a time that has not come
+  bool left_one = false;     // it left a change that the servo has not taken
+  bool next_limits = false;  // the next engine gives a change before its first window
 
   std::vector<TickRecord> run() {
     const AlgorithmParameters parameters{.stiffness_N_per_m = 400, .damping_Ns_per_m = 0};
@@ -79,7 +80,11 @@ struct Takeover {
                 press.scene.windows.confirm(now_ns);
               }
               if (lies && tick == kDies) press.scene.windows.confirm(now_ns + 1'000'000'000'000);
-              if (left_one && tick == works_from) press.changes.give({.force_limit_N = 0.05});
+              if (left_one && tick == begins) {
+                press.changes.give({.force_limit_N = 0.05});
+                press.changes.withdraw();
+              }
+              if (next_limits && tick == begins + 2) press.changes.give({.force_limit_N = 0.05});
               if (tick == begins) links.give(link);
               if (tick == begins + 1) was_heard = links.state() == ServoLinks::State::kHeard;
               if (tick == withdrawn_at) links.withdraw();
@@ -181,6 +186,14 @@ TEST(ServoLinks, AChangeThatWasLeftIsDropped) {
   Takeover takeover{.left_one = true};
   const std::vector<TickRecord> records = takeover.run();
   EXPECT_GT(newtons(records.back()), 0.3);
+}
+
+// What the next engine says before its first window holds with its windows.
+TEST(ServoLinks, AChangeOfTheNextEngineWaitsForItsWindows) {
+  Takeover takeover{.next_limits = true};
+  const std::vector<TickRecord> records = takeover.run();
+  EXPECT_EQ(takeover.state, ServoLinks::State::kDone);
+  EXPECT_NEAR(newtons(records.back()), 0.05, 1e-3);
 }
 
 TEST(ServoLinks, AreWithdrawnOnlyBeforeTheyAreDone) {

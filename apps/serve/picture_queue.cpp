@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/picture_queue.hpp"
+
+#include <utility>
+
+#include "base/error.hpp"
+#include "engine/draw/picture_image.hpp"
+
+namespace palpate {
+
+void PictureQueue::ask(ViewRequest request, Done done) {
+  const std::lock_guard lock(mutex_);
+  if (waiting_.size() >= kMostWaiting)
+    throw Error(Error::Code::kOutOfMemory, "the picture", "too many others wait", "ask again when they are done");
+  waiting_.push_back({std::move(request), std::move(done)});
+}
+
+bool PictureQueue::drawOn(std::uint64_t edit_version) {
+  if (!drawing_) {
+    std::unique_lock lock(mutex_);
+    if (waiting_.empty()) return false;
+    drawing_ = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    from_frame_ = view_->latest().number;
+    from_edits_ = edit_version;
+    view_->show(drawing_->request);
+    return true;
+  }
+  const std::string failure = view_->failure();
+  const ViewFrame& frame = view_->latest();
+  const bool is_whole = frame.number > from_frame_ && frame.whole && frame.edit_version >= from_edits_;
+  if (!is_whole && failure.empty()) return true;
+  view_->rest();
+  const Drawing drawn = std::move(*std::exchange(drawing_, std::nullopt));
+  const Camera& camera = drawn.request.camera;
+  drawn.done(is_whole ? asImage(camera.width, camera.height, frame.pixels) : RenderedImage{}, is_whole ? "" : failure);
+  return true;
+}
+
+void PictureQueue::giveUp(const std::string& why) {
+  std::deque<Drawing> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    waiting.swap(waiting_);
+  }
+  if (drawing_) waiting.push_front(std::move(*std::exchange(drawing_, std::nullopt)));
+  for (const Drawing& one : waiting) one.done({}, why);
+}
+
+void PictureQueue::startAgain() {
+  view_.emplace();
+  if (!drawing_) return;
+  const std::lock_guard lock(mutex_);
+  waiting_.push_front(std::move(*std::exchange(drawing_, std::nullopt)));
+}
+
+}  // namespace palpate

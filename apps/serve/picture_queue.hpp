@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/serve/picture_queue.hpp: pictures that a service is asked for, one after another, drawn in pieces beside windows
+// and edits.
+//
+// Threads: ask() by any; drawOn(), view() and startAgain() by the engine's. Nothing is drawn while nobody asks.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "apps/rig/live_view.hpp"
+#include "base/camera.hpp"
+
+namespace palpate {
+
+class PictureQueue {
+ public:
+  // With the picture, or why there is none; by the engine's thread.
+  using Done = std::function<void(RenderedImage, const std::string& failure)>;
+  static constexpr std::size_t kMostWaiting = 16;
+
+  // Throws Error(kOutOfMemory) if too many wait.
+  void ask(ViewRequest request, Done done);
+
+  // For the rig, or whoever looks at it (LiveView::look): valid until startAgain().
+  [[nodiscard]] LiveView& view() noexcept { return *view_; }
+  // At every look at the tool, after that of the view: begins the next picture and hands out one that is whole, with
+  // every edit up to `edit_version` when it began. Whether one is under way.
+  bool drawOn(std::uint64_t edit_version);
+  // Nothing is drawn any more: whoever waits is told why. By the engine's thread, or after it.
+  void giveUp(const std::string& why);
+  // On another engine; the picture under way begins anew.
+  void startAgain();
+
+ private:
+  struct Drawing {
+    ViewRequest request;
+    Done done;
+  };
+  std::optional<LiveView> view_{std::in_place};
+  std::optional<Drawing> drawing_;
+  std::uint64_t from_edits_ = 0, from_frame_ = 0;  // what its frame must come after
+  std::mutex mutex_;                               // guards the next
+  std::deque<Drawing> waiting_;
+};
+
+}  // namespace palpate
