@@ -26,7 +26,7 @@ SceneArguments::SceneArguments(CLI::App& verb, Of of) : values_(sceneOptions().s
       ->type_name("VOLUME|SCENE.toml");
   for (std::size_t i = 0; i < values_.size(); ++i) {
     const SceneOption& option = sceneOptions()[i];
-    const bool has_flag = of == Of::kService || !std::string_view(option.key).starts_with("service.");
+    const bool has_flag = of == Of::kService || !isOfService(option);
     options_.push_back(has_flag ? addSceneFlag(verb, option, values_[i]) : nullptr);
   }
   verb.add_option("--object", objects_, objectHelp())

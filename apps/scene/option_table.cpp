@@ -68,9 +68,9 @@ constexpr const char* kTextures[] = {"none", "procedural", "density"};
 const std::string kStiffnessHelp = fmt::format(
     "stiffness of the contact, K; if not given {:g}, or what a device that is held bears", kUsualStiffness_N_per_m);
 
-const std::string kDampingHelp = fmt::format(
-    "damping of the contact along the normal, B; if not given {:g}, or what a device that is held bears",
-    kUsualDamping_Ns_per_m);
+const std::string kDampingHelp =
+    fmt::format("damping of the contact along the normal, B; if not given {:g}, or what a device that is held bears",
+                kUsualDamping_Ns_per_m);
 
 // clang-format off
 const SceneOption kOptions[] = {
@@ -173,8 +173,8 @@ const SceneOption kOptions[] = {
     {"--journal", "edit.journal", "", "folder in which every edit is kept on disk as it goes, for 'palpate recover'", TextOption{&Scene::journal, false}},
     {"--save", "edit.save", "", "file in which the edited volume is saved beside the run, in a format that `palpate convert` writes", TextOption{&Scene::save, false}},
     {"--save-every", "edit.save_every_s", "s", "time between two saves, 0: one at the end of the run", number(&Scene::save_every_s, 1, 0, 86400)},
-    {"--socket", "service.socket", "", "where servo and clients connect to 'palpate serve'; if not given service.sock in the runtime folder", TextOption{&Scene::service_socket}},
-    {"--metrics-socket", "service.metrics_socket", "", "a socket at which the metrics of 'palpate serve' are read by HTTP, in Prometheus' form; none if not given", TextOption{&Scene::service_metrics_socket}},
+    {"--socket", "service.socket", "", "where servo and clients connect to 'palpate serve'; if not given service.sock in the runtime folder", TextOption{&Scene::service_socket, false}},
+    {"--metrics-socket", "service.metrics_socket", "", "a socket at which the metrics of 'palpate serve' are read by HTTP, in Prometheus' form; none if not given", TextOption{&Scene::service_metrics_socket, false}},
     {"--log", "service.log", "", "messages of 'palpate serve' as text, or each as an object of JSON on a line of its own",
      WordOption{&Scene::service_log, kLogs}},
     {"--out", "output.folder", "", "folder for trace.csv, summary.json, report.html, view.png", TextOption{&Scene::out}},
@@ -196,6 +196,10 @@ const SceneOption* optionOfKey(std::string_view key) {
   const auto* found =
       std::find_if(std::begin(kOptions), std::end(kOptions), [&](const auto& o) { return key == o.key; });
   return found == std::end(kOptions) ? nullptr : found;
+}
+
+bool isOfService(const SceneOption& option) {
+  return std::string_view(option.key).starts_with("service.");
 }
 
 const char* optionGroup(const SceneOption& option) {

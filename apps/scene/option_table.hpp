@@ -24,6 +24,9 @@ struct SceneOption {
 // The row of a key, or null.
 [[nodiscard]] const SceneOption* optionOfKey(std::string_view key);
 
+// Of `palpate serve` alone; other verbs have no flag for it, and leave its key in a scene file unheeded.
+[[nodiscard]] bool isOfService(const SceneOption& option);
+
 // The heading of the option in --help: one for each table of the scene file.
 [[nodiscard]] const char* optionGroup(const SceneOption& option);
 

@@ -103,7 +103,8 @@ bool ClientDesk::round(int most_ms) {
       continue;
     }
     if (!why.empty())
-      tell_(fmt::format("client {} (process {}) is dropped: {}", client->number, client->channel.peer().process, why));
+      tellOfClient(
+          fmt::format("client {} (process {}) is dropped: {}", client->number, client->channel.peer().process, why));
     client = clients_.erase(client);
   }
   accept();
@@ -115,11 +116,21 @@ bool ClientDesk::round(int most_ms) {
 void ClientDesk::accept() {
   for (Channel channel = listener_.accept(); channel.open(); channel = listener_.accept()) {
     if (clients_.size() >= kMostClients) {
-      tell_(fmt::format("a client (process {}) is turned away: {} are here", channel.peer().process, clients_.size()));
+      tellOfClient(
+          fmt::format("a client (process {}) is turned away: {} are here", channel.peer().process, clients_.size()));
       continue;
     }
     clients_.push_back({.number = ++count_, .channel = std::move(channel), .since_ns = monotonicNow_ns()});
   }
+}
+
+void ClientDesk::tellOfClient(const std::string& words) {
+  if (!words_.mayAsk(monotonicNow_ns())) {
+    ++untold_;
+    return;
+  }
+  const std::uint64_t untold = std::exchange(untold_, 0);
+  tell_(untold == 0 ? words : fmt::format("{} ({} more like that were not told)", words, untold));
 }
 
 bool ClientDesk::listenTo(Client& client, std::string& why) {
@@ -129,6 +140,10 @@ bool ClientDesk::listenTo(Client& client, std::string& why) {
       const Channel::Got got = client.channel.receive(packet, 0);
       if (got == Channel::Got::kClosed) return false;
       if (got == Channel::Got::kNothing) break;
+      if (!client.rate.mayAsk(monotonicNow_ns())) {
+        why = fmt::format("it asks more often than {:g} times a second", kMostPerSecond);
+        return false;
+      }
       wire::BodyUnion body = decoded(packet.bytes, "a client");
       const bool is_first = !std::exchange(client.has_spoken, true);
       if (const auto* const hello = contentOf<wire::HelloT>(body); is_first && hello != nullptr) {
@@ -155,7 +170,7 @@ bool ClientDesk::listenTo(Client& client, std::string& why) {
 // It is no client: the engine talks with it from now on.
 void ClientDesk::greet(Client& client, const wire::HelloT& hello) {
   if (served_.attach(std::move(client.channel), hello)) return;
-  tell_("a second servo is turned away");
+  tellOfClient("a second servo is turned away");
 }
 
 void ClientDesk::take(Client& client, const wire::AskT& ask) {

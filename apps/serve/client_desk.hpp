@@ -2,11 +2,10 @@
 // apps/serve/client_desk.hpp: the socket of a service: who connects is a servo or a client, and clients ask for things.
 //
 // What clients ask for is done in the order in which it comes, and each gets the answers to its own questions
-// (service/messages). A client that breaks the rules, does not read its answers or says nothing for kSilence_s at first
-// is dropped with a word; nobody waits for it. More than kMostOpen questions of one client at once are refused, so
-// memory per client is bounded. A servo that connects is handed to the engine. Meshes are read and pictures packed by
-// threads of their own.
-// One thread makes it and calls round() and flush().
+// (service/messages). A client that breaks the rules, asks too often, does not read its answers or says nothing for
+// kSilence_s at first is dropped with a word; nobody waits for it. More than kMostOpen questions of one client at once
+// are refused, so memory per client is bounded. A servo that connects is handed to the engine. Meshes are read and
+// pictures packed by threads of their own. One thread makes it and calls round() and flush().
 #pragma once
 
 #include <atomic>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "apps/edit/stamp_files.hpp"
+#include "apps/serve/asking_rate.hpp"
 #include "apps/serve/chores.hpp"
 #include "apps/serve/served_volume.hpp"
 #include "service/channel/channel.hpp"
@@ -29,8 +29,10 @@ namespace palpate {
 class ClientDesk {
  public:
   static constexpr std::size_t kMostClients = 32;
-  static constexpr std::size_t kMostOpen = 64;  // questions of one client that are not answered
-  static constexpr double kSilence_s = 5;       // until the first word [s]
+  static constexpr std::size_t kMostOpen = 64;                        // questions of one client that are not answered
+  static constexpr double kSilence_s = 5;                             // until the first word [s]
+  static constexpr double kMostPerSecond = 2000, kMostAtOnce = 4000;  // questions of one client
+  static constexpr double kMostWordsPerSecond = 5;                    // told of clients that were dropped
   using Tell = std::function<void(const std::string&)>;
 
   // Throws Error(kIo) where the system has no means to wake it.
@@ -52,6 +54,7 @@ class ClientDesk {
     std::int64_t since_ns = 0;
     bool has_spoken = false;
     std::size_t open = 0;
+    AskingRate rate{kMostPerSecond, kMostAtOnce};
   };
   using Make = std::function<wire::AnswerT()>;
   struct Ready {
@@ -61,6 +64,8 @@ class ClientDesk {
   using Answer = std::function<void(const std::optional<Error>& refusal, const std::string& text)>;
 
   void accept();
+  // Of a client that is not let in or let go; those beyond kMostWordsPerSecond are only counted.
+  void tellOfClient(const std::string& words);
   // False: it is to be dropped, for `why`; empty: it has left.
   [[nodiscard]] bool listenTo(Client& client, std::string& why);
   void greet(Client& client, const wire::HelloT& hello);
@@ -86,6 +91,8 @@ class ClientDesk {
   std::atomic<std::size_t> client_count_{0};  // of clients_
   std::uint64_t count_ = 0;                   // of clients so far
   bool leaves_ = false;
+  AskingRate words_{kMostWordsPerSecond, 20};
+  std::uint64_t untold_ = 0;
   std::mutex mutex_;  // guards the next
   std::deque<Ready> ready_;
   StampFiles stamps_;  // the preparer's

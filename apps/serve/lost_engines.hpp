@@ -9,7 +9,7 @@ namespace palpate {
 
 class LostEngines {
  public:
-  static constexpr std::size_t kMost = 5;  // within kWithin_ns
+  static constexpr std::size_t kMost = 20;  // within kWithin_ns
   static constexpr std::int64_t kWithin_ns = 60'000'000'000;
 
   // One more was lost. False: too many in too short a time. `now_ns`: of a clock that does not go back [ns].

@@ -90,10 +90,14 @@ TEST_F(CommandLine, WhatIsNotExpectedStandsAsItWasGiven) {
 
 // Every table of the scene file is a group, and each flag stands in one.
 TEST_F(CommandLine, HelpOfTouchIsInGroups) {
-  for (const char* verb : {"touch", "plan"}) {
+  for (const std::string verb : {"touch", "plan", "serve"}) {
     const std::string help = run({verb, "--help"}).out;
     std::set<std::string> groups;
     for (const SceneOption& option : sceneOptions()) {
+      if (verb != "serve" && isOfService(option)) {
+        EXPECT_THAT(help, Not(HasSubstr(std::string("\n  ") + option.flag + " ")));
+        continue;
+      }
       const auto group = help.find(std::string("\n") + optionGroup(option) + ":\n");
       const auto flag = help.find(std::string("\n  ") + option.flag + " ");
       ASSERT_NE(group, std::string::npos) << option.flag;
@@ -102,7 +106,7 @@ TEST_F(CommandLine, HelpOfTouchIsInGroups) {
       EXPECT_THAT(between, Not(HasSubstr("\n\n"))) << option.flag << " stands under another heading";
       groups.insert(optionGroup(option));
     }
-    EXPECT_EQ(groups.size(), 10U);
+    EXPECT_EQ(groups.size(), verb == "serve" ? 11U : 10U);
   }
 }
 
@@ -133,10 +137,12 @@ TEST_F(CommandLine, BashCompletesAValueBehindAnEqualsSign) {
 TEST_F(CommandLine, BashCompletesEveryFlagAndItsWords) {
   const Words flags = offered({"touch", "phantom:sphere", "--"});
   for (const SceneOption& option : sceneOptions()) {
-    EXPECT_THAT(flags, testing::Contains(option.flag));
+    EXPECT_EQ(std::ranges::count(flags, option.flag), isOfService(option) ? 0 : 1) << option.flag;
     const Words words = optionWords(option.value);
     if (words.empty() || isBare(option.value)) continue;
-    EXPECT_THAT(offered({"touch", option.flag, ""}), testing::UnorderedElementsAreArray(words)) << option.flag;
+    EXPECT_THAT(offered({isOfService(option) ? "serve" : "touch", option.flag, ""}),
+                testing::UnorderedElementsAreArray(words))
+        << option.flag;
   }
   EXPECT_THAT(flags, testing::Contains("--object"));
   EXPECT_THAT(offered({"check", "gradient", "x.nrrd", "--samples", ""}), testing::ElementsAre("float", "half"));

@@ -379,7 +379,7 @@ TEST_F(Serve, ADeviceThatIsLostForGoodEndsTheService) {
   serve({kSphere});
   ASSERT_TRUE(awaitService());
   expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
-  for (int lost = 0; lost < 10 && !engine.hasEnded(); ++lost) {
+  for (int lost = 0; lost < 30 && !engine.hasEnded(); ++lost) {
     loses.next();
     static_cast<void>(ctl({"edit", "add:radius=2mm:at=12,-12,-12mm"}));
   }

@@ -6,21 +6,21 @@
 namespace palpate {
 namespace lost_engines_test {
 
-TEST(LostEngines, FiveInAMinuteAreBorne) {
+TEST(LostEngines, TwentyInAMinuteAreBorne) {
   LostEngines lost;
   for (std::size_t i = 0; i < LostEngines::kMost; ++i) EXPECT_TRUE(lost.mayGoOn(1000)) << i;
   EXPECT_FALSE(lost.mayGoOn(1000 + LostEngines::kWithin_ns));
 }
 
-// Of any six, the first and the last are more than a minute apart.
+// Of any twenty-one, the first and the last are more than a minute apart.
 TEST(LostEngines, OneNowAndThenIsBorneForEver) {
   LostEngines lost;
-  for (std::int64_t i = 0; i < 1000; ++i) EXPECT_TRUE(lost.mayGoOn(i * (LostEngines::kWithin_ns / 5 + 1))) << i;
+  for (std::int64_t i = 0; i < 1000; ++i) EXPECT_TRUE(lost.mayGoOn(i * (LostEngines::kWithin_ns / 20 + 1))) << i;
 }
 
 TEST(LostEngines, ThoseLongAgoAreForgotten) {
   LostEngines lost;
-  for (int i = 0; i < 6; ++i) static_cast<void>(lost.mayGoOn(0));
+  for (int i = 0; i < 21; ++i) static_cast<void>(lost.mayGoOn(0));
   EXPECT_FALSE(lost.mayGoOn(1));
   EXPECT_TRUE(lost.mayGoOn(LostEngines::kWithin_ns + 2));
 }

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Whatever anybody of this user sends to a service: it neither crashes nor hangs, its volume and settings stay, the
+// force in the hand stays what it is, and it keeps nothing of those who come and go.
+//
+// PALPATE_HOSTILE: how many messages (6000; `./dev hostile` sends 1,000,000). PALPATE_HOSTILE_SEED: of all.
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+
+#include "apps/serve/service_client.hpp"
+#include "endurance_figures.hpp"
+#include "engine/files/volume_file.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "hostile_messages.hpp"
+#include "process_facts.hpp"
+#include "service/memory/link_memory.hpp"
+#include "service_processes.hpp"
+
+namespace palpate {
+namespace hostile_test {
+
+// A contact at rest moves on by less and less, as planes are found anew.
+constexpr double kCreep_N = 1e-6;
+
+using Figures = std::map<std::string, double>;
+
+class Hostile : public ServiceTest {
+ protected:
+  // A hand that is pressed 1 mm into a sphere, and stays there.
+  void begin() {
+    write("press.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.014\n0.3,0,0,0.0102\n");
+    serve({"phantom:sphere?size=32", "--path", "press.csv"});
+    join();
+    ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+    honest_.emplace(socket());
+    settle();
+  }
+  [[nodiscard]] std::string socket() const { return (file("run") / "palpate/service.sock").string(); }
+  // Answered, or it hangs.
+  Figures figures() {
+    const ServiceAnswer answer = honest_->ask(wire::Verb::Status);
+    return {answer.figures.begin(), answer.figures.end()};
+  }
+  // Until the pressing hand is at rest.
+  void settle() {
+    for (int look = 0, same = 0; look < 1200 && same < 10; ++look) {
+      const double now_N = figures()["force_N"];
+      same = now_N > 0.3 && std::abs(now_N - force_N_) < 1e-9 ? same + 1 : 0;
+      force_N_ = now_N;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    ASSERT_GT(force_N_, 0.3);
+  }
+  std::uint64_t content() {
+    const std::string name = file("content.vdb").string();
+    static_cast<void>(honest_->ask(wire::Verb::Save, {name}));
+    const std::uint64_t hash = contentHash(loadVolume(name));
+    std::filesystem::remove(name);
+    return hash;
+  }
+  std::string settings() { return honest_->ask(wire::Verb::Get).text; }
+  // Descriptors and threads go when those who were dropped are gone.
+  [[nodiscard]] bool awaitDescriptors(std::size_t most) const {
+    for (int look = 0; look < 400; ++look) {
+      if (openDescriptorsOf(engine.id()) <= most) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(25));
+    }
+    return false;
+  }
+
+  void sendAll(int messages, HostileMessages& from);
+  void beBadServos(int servos, HostileMessages& from);
+  void writeMemory(Descriptor given, HostileMessages& from) const;
+
+  std::optional<ServiceClient> honest_;
+  double force_N_ = 0, largest_N_ = 0;
+  std::uint64_t sent_ = 0, connections_ = 0;
+};
+
+// Also what is too long for a message.
+bool sendAny(Channel& to, const std::vector<std::byte>& bytes, int attached) {
+  if (bytes.size() <= kMostMessageBytes) return to.send(bytes, 0, attached);
+  return ::send(to.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT) > 0;
+}
+
+void Hostile::sendAll(int messages, HostileMessages& from) {
+  constexpr std::size_t kAtOnce = 12, kSilent = 10;
+  std::vector<Channel> attackers(kAtOnce), silent;
+  const Descriptor nothing(open("/dev/null", O_RDONLY | O_CLOEXEC));
+  for (int i = 0; i < messages; ++i) {
+    Channel& attacker = attackers[from.below(kAtOnce)];
+    if (!attacker.open()) {
+      attacker = connectTo(socket());
+      ++connections_;
+    }
+    const std::vector<std::byte> bytes = from.next();
+    const int attached = from.below(50) == 0 ? nothing.get() : -1;
+    if (sendAny(attacker, bytes, attached)) {
+      ++sent_;
+    } else if (Packet answer; from.below(2) == 0 && attacker.receive(answer, 0) == Channel::Got::kPacket) {
+      continue;  // it is told too much to hear; now it reads one, and asks on
+    } else {
+      attacker.close();
+    }
+    if (from.below(3000) == 0) attacker.close();  // in the middle of it all
+    if (from.below(5000) == 0) {                  // some say nothing, up to what is let in
+      if (silent.size() >= kSilent) silent.erase(silent.begin());
+      silent.push_back(connectTo(socket()));
+    }
+    if (i % 500 != 0) continue;
+    const Figures now = figures();
+    largest_N_ = std::max(largest_N_, now.at("force_N"));
+    ASSERT_EQ(now.at("edits"), 0) << "after " << i << " messages";
+    ASSERT_EQ(now.at("servos"), 1) << "after " << i << " messages";
+  }
+}
+
+// Whoever was given the memory may write into it what he wants, at any time.
+void Hostile::writeMemory(Descriptor given, HostileMessages& from) const {
+  const off_t size = lseek(given.get(), 0, SEEK_END);
+  if (size <= 0) return;
+  const auto bytes = static_cast<std::size_t>(size);
+  void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, given.get(), 0);
+  if (memory == MAP_FAILED) return;
+  auto* const begin = static_cast<std::byte*>(memory);
+  for (int i = 0; i < 2000; ++i) {
+    // Mostly in the blocks at the front, where numbers are believed most easily.
+    const std::size_t at = from.below(4) == 0 ? from.below(bytes) : from.below(sizeof(LinkBlock));
+    begin[at] = static_cast<std::byte>(from.below(256));
+  }
+  munmap(memory, bytes);
+}
+
+void Hostile::beBadServos(int servos, HostileMessages& from) {
+  std::string commit = run({"--version"}).out;
+  commit = commit.substr(commit.find('(') + 1);
+  commit.resize(commit.find(')'));
+  for (int i = 0; i < servos; ++i) {
+    Channel bad = connectTo(socket());
+    ++connections_;
+    wire::HelloT hello;
+    hello.layout = from.below(10) == 0 ? static_cast<std::uint32_t>(from.below(1000)) : kLinkLayout;
+    hello.commit = from.below(10) == 0 ? "another" : commit;
+    hello.first_version = from.below(2) == 0 ? ~std::uint64_t{0} - from.below(3) : from.below(3);
+    hello.stays = from.below(2) == 0;
+    if (!bad.send(encoded(hello), 1000)) continue;
+    for (std::size_t left = 1 + from.below(6); left > 0 && bad.open(); --left) {
+      Packet packet;
+      // A right answer now and then, so that it gets further.
+      if (bad.receive(packet, from.below(3) == 0 ? 0 : 50) == Channel::Got::kClosed) break;
+      if (packet.attached) writeMemory(std::move(packet.attached), from);
+      ++sent_;
+      if (!sendAny(bad, from.nextOfAServo(), -1)) break;
+    }
+    if (i % 20 == 0) {
+      ASSERT_EQ(figures().at("edits"), 0) << "after " << i << " servos";
+    }
+  }
+}
+
+TEST_F(Hostile, MessagesHaveNoEffect) {
+  const auto seed = static_cast<std::uint64_t>(numberOf("PALPATE_HOSTILE_SEED", 1));
+  const int messages = static_cast<int>(numberOf("PALPATE_HOSTILE", 6000));
+  const int servos = std::max(20, messages / 1000);
+  HostileMessages from(seed);
+  begin();
+  if (HasFatalFailure()) return;
+  const auto started = std::chrono::steady_clock::now();
+  const std::uint64_t content_before = content();
+  const std::string settings_before = settings();
+  sendAll(messages / 10, from);  // what is made once is made
+  if (HasFatalFailure()) return;
+  ASSERT_TRUE(awaitDescriptors(64));
+  const double force_before_N = force_N_;
+  const std::size_t descriptors = openDescriptorsOf(engine.id()), threads = threadsOf(engine.id());
+  const double memory = ownMemory(engine.id());
+  sendAll(messages - messages / 10, from);
+  if (HasFatalFailure()) return;
+  EXPECT_TRUE(awaitDescriptors(descriptors)) << openDescriptorsOf(engine.id()) << " after " << descriptors;
+  EXPECT_EQ(threadsOf(engine.id()), threads);
+  settle();
+  EXPECT_NEAR(force_N_, force_before_N, kCreep_N);
+  // A busy machine may take force away for a moment (a stall); nothing may add any.
+  EXPECT_LE(largest_N_, force_before_N + kCreep_N);
+  EXPECT_EQ(content(), content_before);
+  EXPECT_EQ(settings(), settings_before);
+  const double grown = ownMemory(engine.id()) / memory - 1;
+
+  // The servo leaves, and bad ones come in its place.
+  EXPECT_EQ(WEXITSTATUS(servo.end(SIGTERM)), 0);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; }));
+  beBadServos(servos, from);
+  if (HasFatalFailure()) return;
+  EXPECT_FALSE(engine.hasEnded()) << contentsOf(file("serve.log"));
+  EXPECT_EQ(content(), content_before);
+  join();
+  ASSERT_TRUE(await([&](const nlohmann::json& now) {
+    return std::abs(double(now["force_N"]) - force_before_N) < 1e-6;
+  })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  EXPECT_NE(content(), content_before);
+  expectSuccess(ctl({"undo"}));
+  EXPECT_EQ(content(), content_before);
+
+  BenchResult result =
+      beginEndurance("service-hostile", run({"--version"}).out, fmt::format("./dev hostile {}", messages));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  result.rows.push_back({{"messages", static_cast<std::int64_t>(sent_)},
+                         {"connections", static_cast<std::int64_t>(connections_)},
+                         {"bad_servos", servos},
+                         {"seed", static_cast<std::int64_t>(seed)},
+                         {"seconds", seconds},
+                         {"memory_grown", grown}});
+  result.targets = {
+      {"crashes and hangs", 0, 0},
+      {"changed voxels and settings", 0, 0},
+      {"largest force beyond that of the hand at rest [N]", std::max(0.0, largest_N_ - force_before_N), kCreep_N},
+      {"descriptors left open", 0, 0}};
+  writeEndurance(
+      result, "What hostile messages do to a service",
+      "A servo presses a simulated hand on a sphere while clients of the same user send bytes that are no "
+      "message, messages with changed bytes, messages where none may be, files with messages, and questions "
+      "that must be refused; they do not read, say nothing, or go. Then the servo leaves, and programs that "
+      "only say that they are one come instead, answer wrongly and write at random into the memory that they "
+      "are given.",
+      fmt::format("{} messages over {} connections, and {} bad servos, in {:.0f} s; the engine's own memory "
+                  "grew by {:.2f} %.\n",
+                  sent_, connections_, servos, seconds, 100 * grown));
+}
+
+}  // namespace hostile_test
+}  // namespace palpate
