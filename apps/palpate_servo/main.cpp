@@ -15,6 +15,7 @@
 #include "apps/servo_side/servo_host.hpp"
 #include "apps/servo_side/servo_keeper.hpp"
 #include "base/error.hpp"
+#include "service/sandbox/sandbox.hpp"
 #include "version.hpp"
 
 namespace {
@@ -54,6 +55,8 @@ int main(int argc, char** argv) {
     return kUsage;
   }
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
+  const palpate::Sandbox sandbox = palpate::enterSandbox();
+  if (stays) palpate::tellUser("servo: " + sandbox.words);
   try {
     is_made ? serveMaker(argv[2]) : serveWhoeverListens(argv[2]);
     return 0;
