@@ -146,11 +146,17 @@ TEST_F(HidDoctor, KnowsAfterARunWhetherTheDeviceIsCalibrated) {
   };
   constexpr const char* kOn = "forces are on: polhem-v1";
   constexpr const char* kOff = "forces are off because the device does not know where its handle is";
-  EXPECT_THAT(after({"--uncalibrated"}, calibrate + touch(0.3)), HasSubstr(kOn));
+  // A machine that is so busy that nothing comes for half a second makes an arm uncalibrated, and rightly.
+  const auto isOnAfter = [&](const Words& machine, const std::string& commands) {
+    std::string said;
+    for (int tries = 0; tries < 3 && said.find(kOn) == std::string::npos; ++tries) said = after(machine, commands);
+    return said;
+  };
+  EXPECT_THAT(isOnAfter({"--uncalibrated"}, calibrate + touch(0.3)), HasSubstr(kOn));
   EXPECT_THAT(after({"--uncalibrated"}, calibrate + "timeout -s KILL 2 " + touch(9) + "; sleep 0.5"), HasSubstr(kOff));
   EXPECT_THAT(after({"--uncalibrated", "--unplug-after", "400", "--replug-ms", "100"}, calibrate + touch(1.5)),
               HasSubstr(kOff));
-  EXPECT_THAT(after({"--uncalibrated", "--asks-from", "250"}, touch(1)), HasSubstr(kOn));
+  EXPECT_THAT(isOnAfter({"--uncalibrated", "--asks-from", "250"}, touch(1)), HasSubstr(kOn));
 }
 
 TEST_F(HidDoctor, CalibratesOnlyWhatNeedsIt) {
