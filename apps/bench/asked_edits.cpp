@@ -36,7 +36,7 @@ bool AskedEdits::askAt(double way_s) {
 void AskedEdits::ask(const std::stop_token& stop) {
   nameThisThread("bench edits");
   if (!askAt(0)) return;
-  while (edits_.state().edits == 0 && !stop.stop_requested()) std::this_thread::sleep_for(kLookForFirst);
+  while (edits_.counts().edits == 0 && !stop.stop_requested()) std::this_thread::sleep_for(kLookForFirst);
   const auto start = std::chrono::steady_clock::now();
   Random random(plan_.seed);
   for (double next_s = plan_.begin_s; next_s < plan_.end_s && !stop.stop_requested();

@@ -87,7 +87,7 @@ void calibrate(const CalibrateArguments& arguments) {
   device.reset();  // which leaves its stamp
   const bool kept = CalibrationStamp(as).isThere();
   printResult("{} counts from its home position{}.\n", arguments.device,
-              kept ? " until it is unplugged"
+              kept ? " until it is unplugged, the machine sleeps, or a program that uses it is killed"
                    : "; this cannot be kept (by hidraw, with XDG_RUNTIME_DIR set, it could), so give --calibrated to "
                      "later commands");
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/serve_job.hpp"
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -84,6 +85,26 @@ std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolum
   });
 }
 
+// Tells systemd that the service lives, twice as often as it wants to hear that; not while the engine hangs.
+class Watchdog {
+ public:
+  explicit Watchdog(const ServiceNotify& notify) : notify_(notify) {
+    if (const auto period = notify.watchdogPeriod())
+      every_ns_ = std::chrono::duration_cast<std::chrono::nanoseconds>(*period).count() / 2;
+  }
+  void look(const ServedVolume& served) {
+    const std::int64_t now_ns = monotonicNow_ns();
+    if (every_ns_ == 0 || now_ns - last_ns_ < every_ns_ || !served.isAlive(every_ns_)) return;
+    last_ns_ = now_ns;
+    static_cast<void>(notify_.watchdog());
+  }
+
+ private:
+  const ServiceNotify& notify_;
+  std::int64_t every_ns_ = 0;  // 0: it is not wanted
+  std::int64_t last_ns_ = 0;
+};
+
 }  // namespace
 
 void serveScene(const ServeRequest& request, Progress& progress) {
@@ -101,8 +122,12 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   progress.done();
   const std::unique_ptr<MetricsDoor> metrics = metricsDoorOf(request.scene, served, desk);
   static_cast<void>(notify.ready());
-  tell(fmt::format("{} is served at {}", request.scene.volume, socket));
+  const std::string words = fmt::format("{} is served at {}", request.scene.volume, socket);
+  static_cast<void>(notify.status(words));
+  tell(words);
+  Watchdog watchdog(notify);
   while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
+    watchdog.look(served);
     if (reload_asked == 0) continue;
     reload_asked = 0;
     static_cast<void>(notify.reloading());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,7 +69,12 @@ ServedVolume::~ServedVolume() {
   }
 }
 
+bool ServedVolume::isAlive(std::int64_t within_ns) const noexcept {
+  return monotonicNow_ns() - looked_at_ns_.load(std::memory_order_relaxed) < within_ns;
+}
+
 void ServedVolume::start() {
+  looked_at_ns_ = monotonicNow_ns();
   thread_ = std::jthread([this] { run(); });
 }
 
@@ -152,6 +158,7 @@ void ServedVolume::makeAnew() {
   {
     const std::scoped_lock lock(engines_, mutex_);
     is_ready_ = false;
+    looked_at_ns_.store(std::numeric_limits<std::int64_t>::max(), std::memory_order_relaxed);
     filter = std::exchange(wanted_filter_, std::nullopt);
     done = std::exchange(filter_done_, {});
   }
@@ -189,6 +196,7 @@ void ServedVolume::makeAnew() {
   if (done) done(refusal);
   const std::lock_guard lock(engines_);
   is_ready_ = true;
+  looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
   for (const Order& order : std::exchange(put_off_, {})) order(engine_.get());
 }
 
@@ -376,6 +384,7 @@ void ServedVolume::lookAlone() {
 
 // What is to be done at every look beside edits and windows. Whether more is to be drawn.
 bool ServedVolume::lookAround() {
+  looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
   settle();
   return pictures_.drawOn(engine_->live().engine().editVersion());
 }

@@ -55,6 +55,8 @@ class ServedVolume {
   // Ends the thread, finishes what was asked for and closes the session; the journal stays if an edit is in effect.
   // Throws what ended the engine, and as LiveVolume::close().
   void close();
+  // Its thread looks again and again, or makes its engine anew, which may take as long as the first time.
+  [[nodiscard]] bool isAlive(std::int64_t within_ns) const noexcept;
   // The engine has failed for good; close() throws why.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
 
@@ -155,6 +157,7 @@ class ServedVolume {
   ServedStatus status_;
 
   std::atomic<bool> stop_{false}, failed_{false};
+  std::atomic<std::int64_t> looked_at_ns_{0};  // far in the future: the engine is being made
   std::exception_ptr failure_;
   bool closed_ = false;
   std::jthread greeter_;  // waits for a servo that makes its device

@@ -164,6 +164,11 @@ class Supervision {
 
   void judge(Supervised& one, int status) {
     const std::string& name = one.command.name;
+    if (WIFEXITED(status) && std::ranges::count(one.command.hopeless, WEXITSTATUS(status)) > 0) {
+      tell("{}: {}; it would end so again", name, endInWords(status));
+      throw Error(Error::Code::kIo, name, endInWords(status) + ", as it would again",
+                  "mend what its messages say, which are above");
+    }
     if (!endedWell(status)) {
       planRestart(one, endInWords(status), now_s() - one.started_s);
     } else if (one.command.essential) {

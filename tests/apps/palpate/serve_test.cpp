@@ -10,6 +10,7 @@
 #include <sys/un.h>
 
 #include "base/atomic_file.hpp"
+#include "base/descriptor.hpp"
 #include "engine/files/volume_file.hpp"
 #include "service_processes.hpp"
 #include "tests/support/unix_stream.hpp"
@@ -532,6 +533,46 @@ TEST_F(Serve, IsWatchedFromEngineToEngine) {
   EXPECT_TRUE(told("does not answer", 1)) << contentsOf(file("top.log"));
   engine.send(SIGCONT);
   EXPECT_EQ(WEXITSTATUS(top.end(SIGINT)), 130);
+}
+
+// systemd hears when it is ready, what it serves, that it lives, and that it ends. One that stands still says nothing.
+TEST_F(Serve, TellsSystemdThatItLives) {
+  const std::string path = file("notify.sock").string();
+  const Descriptor inbox(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(inbox.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  setenv("WATCHDOG_USEC", "400000", 1);
+  serve({kSphere});
+  unsetenv("NOTIFY_SOCKET");
+  unsetenv("WATCHDOG_USEC");
+  std::vector<std::string> said;
+  const auto listen = [&] {
+    char message[512];
+    for (ssize_t count = 0; (count = recv(inbox.get(), message, sizeof message, 0)) > 0;)
+      said.emplace_back(message, static_cast<std::size_t>(count));
+    return std::ranges::count(said, "WATCHDOG=1");
+  };
+  for (int look = 0; look < 1200 && listen() < 3; ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_GE(said.size(), 5U);
+  EXPECT_EQ(said[0], "READY=1");
+  EXPECT_THAT(said[1], HasSubstr("STATUS=phantom:sphere?size=32 is served at "));
+  engine.send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // what it said before has come
+  const auto before = listen();
+  std::this_thread::sleep_for(std::chrono::milliseconds(900));
+  EXPECT_EQ(listen(), before);
+  engine.send(SIGCONT);
+  for (int look = 0; look < 1200 && listen() == before; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_GT(listen(), before);
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  listen();
+  EXPECT_EQ(said.back(), "STOPPING=1");
 }
 
 // Whatever clients send, or do not, the service goes on for the others. Its socket is the user's alone.

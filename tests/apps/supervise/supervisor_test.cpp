@@ -18,6 +18,7 @@
 #include "temporary_folder.hpp"
 #include "tests/apps/console/in_child.hpp"
 #include "tests/apps/supervise/appears.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace supervisor_test {
@@ -92,6 +93,23 @@ TEST_F(Supervisor, StartsAgainWhatDied) {
   EXPECT_EQ(end.signal, 0);
   EXPECT_EQ(end.killed, 0);
   EXPECT_EQ(runs("servo").size(), 4U);
+}
+
+// It would end so again and again, as for a file that is not there.
+TEST_F(Supervisor, WhatIsHopelessIsNotStartedAgain) {
+  SupervisedCommand engine =
+      command("engine", waitsFor("ready") + inTurn("engine", {"exit 1", "exit 2", "exit 0"}), true);
+  engine.hopeless = {2, 3};
+  const std::string refusal = refusalOf(
+      [&] {
+        supervise({command("servo", saysAt("TERM", "exit 0") + "touch ready; " + kGoesOn), engine}, settings);
+      },
+      Error::Code::kIo);
+  EXPECT_THAT(refusal, HasSubstr("engine: ended with status 2, as it would again"));
+  EXPECT_THAT(lines, ElementsAre("engine: ended with status 1; it is started again at once",
+                                 "engine: ended with status 2; it would end so again"));
+  EXPECT_EQ(runs("engine").size(), 2U);
+  EXPECT_EQ(said(), "TERM\n");  // the other one was told to end
 }
 
 TEST_F(Supervisor, TheOthersGoOnWhenOneDies) {
