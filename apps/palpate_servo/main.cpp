@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <filesystem>
+#include <vector>
 
 #include <fcntl.h>
 
@@ -15,6 +17,7 @@
 #include "apps/servo_side/servo_host.hpp"
 #include "apps/servo_side/servo_keeper.hpp"
 #include "base/error.hpp"
+#include "base/user_folders.hpp"
 #include "service/sandbox/sandbox.hpp"
 #include "version.hpp"
 
@@ -45,6 +48,17 @@ void serveWhoeverListens(const char* socket) {
                       .tell = [](const std::string& words) { palpate::tellUser("servo: " + words); }});
 }
 
+// What it notes of a device's calibration lies in the runtime folder, and must not stay when it holds no more.
+palpate::Sandbox shutIn() {
+  std::vector<std::filesystem::path> kept;
+  if (const std::filesystem::path notes = palpate::runtimeFolder(); !notes.empty()) {
+    std::error_code ignored;
+    std::filesystem::create_directories(notes, ignored);
+    kept.push_back(notes);
+  }
+  return palpate::enterSandbox(kept);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -55,7 +69,7 @@ int main(int argc, char** argv) {
     return kUsage;
   }
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
-  const palpate::Sandbox sandbox = palpate::enterSandbox();
+  const palpate::Sandbox sandbox = shutIn();
   if (stays) palpate::tellUser("servo: " + sandbox.words);
   try {
     is_made ? serveMaker(argv[2]) : serveWhoeverListens(argv[2]);

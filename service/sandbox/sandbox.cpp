@@ -52,7 +52,8 @@ constexpr int kAllowed[] = {
     SCMP_SYS(access), SCMP_SYS(faccessat), SCMP_SYS(faccessat2), SCMP_SYS(readlink), SCMP_SYS(readlinkat),
     SCMP_SYS(getdents64), SCMP_SYS(getcwd), SCMP_SYS(fcntl), SCMP_SYS(flock), SCMP_SYS(ftruncate), SCMP_SYS(fadvise64),
     SCMP_SYS(fsync), SCMP_SYS(fdatasync), SCMP_SYS(dup), SCMP_SYS(dup2), SCMP_SYS(dup3), SCMP_SYS(pipe),
-    SCMP_SYS(pipe2), SCMP_SYS(ioctl), SCMP_SYS(umask),
+    SCMP_SYS(pipe2), SCMP_SYS(ioctl), SCMP_SYS(umask), SCMP_SYS(rename), SCMP_SYS(renameat), SCMP_SYS(renameat2),
+    SCMP_SYS(link), SCMP_SYS(linkat), SCMP_SYS(unlink), SCMP_SYS(unlinkat), SCMP_SYS(fchmod), SCMP_SYS(fallocate),
     // waiting
     SCMP_SYS(poll), SCMP_SYS(ppoll), SCMP_SYS(select), SCMP_SYS(pselect6), SCMP_SYS(epoll_create1), SCMP_SYS(epoll_ctl),
     SCMP_SYS(epoll_wait), SCMP_SYS(epoll_pwait), SCMP_SYS(eventfd2), SCMP_SYS(inotify_init1),
@@ -158,7 +159,7 @@ void dropCapabilities() noexcept {
 
 }  // namespace
 
-Sandbox enterSandbox() noexcept {
+Sandbox enterSandbox(std::span<const std::filesystem::path> kept) noexcept {
   Sandbox sandbox;
   const char* const asked = std::getenv("PALPATE_SANDBOX");
   if (asked != nullptr && std::string_view(asked) == "off") {
@@ -175,11 +176,11 @@ Sandbox enterSandbox() noexcept {
         fmt::format("system calls are not filtered ({}): this system allows no filter", std::strerror(errno));
     return sandbox;
   }
-  constexpr const char* kWritten[] = {"/dev", "/proc/self"};
-  sandbox.limits_files = giveUpWriting(kWritten);
+  const std::filesystem::path written[] = {"/dev", "/proc/self"};
+  sandbox.limits_files = giveUpWriting(written, kept);
   const int failed = filterCalls();
   sandbox.filters_calls = failed == 0;
-  const char* const files = sandbox.limits_files ? "no files but devices are written"
+  const char* const files = sandbox.limits_files ? "no other files are written than devices and its own notes"
                                                  : "this kernel has no Landlock, so files can be written";
   sandbox.words = failed == 0 ? fmt::format("system calls are filtered; {}", files)
                               : fmt::format("system calls are not filtered ({}); {}", std::strerror(-failed), files);

@@ -9,13 +9,16 @@
 //   programs, tracing others, mounting, loading code into the kernel) kills the process; all else fails with EPERM.
 //   Sockets are Unix sockets, and those by which the kernel tells of devices. A servo that is killed is a hand without
 //   force: the device's watchdog cuts it (docs/devices.md).
-// - Files outside /dev cannot be written, made or removed (Landlock). Files that are open already can.
+// - Files cannot be written, made or removed (Landlock), but devices below /dev can be written, and all of it is
+//   allowed below the folders that the caller names. Files that are open already can be written.
 // PALPATE_SANDBOX=off in the environment leaves all of it out, for debuggers.
 //
 // Set-up code: call it once, before other threads are made. Linux only. Throws nothing: what a kernel does not know is
 // left out, and said.
 #pragma once
 
+#include <filesystem>
+#include <span>
 #include <string>
 
 namespace palpate {
@@ -26,6 +29,7 @@ struct Sandbox {
   std::string words;           // for the user: what was given up, and what was not, and why
 };
 
-[[nodiscard]] Sandbox enterSandbox() noexcept;
+// `kept`: folders below which files may be made, written and removed, as far as they are there.
+[[nodiscard]] Sandbox enterSandbox(std::span<const std::filesystem::path> kept) noexcept;
 
 }  // namespace palpate

@@ -3,12 +3,14 @@
 // 5.13). Set-up code.
 #pragma once
 
+#include <filesystem>
 #include <span>
 
 namespace palpate {
 
-// But below these folders, whose files may be written. False: this kernel has no Landlock, or refuses; then nothing has
-// changed. Needs no_new_privs.
-[[nodiscard]] bool giveUpWriting(std::span<const char* const> but_below) noexcept;
+// `written`: below these folders files that are there may be written. `kept`: below these files may also be made and
+// removed. False: this kernel has no Landlock, or refuses; then nothing has changed. Needs no_new_privs.
+[[nodiscard]] bool giveUpWriting(std::span<const std::filesystem::path> written,
+                                 std::span<const std::filesystem::path> kept) noexcept;
 
 }  // namespace palpate

@@ -127,7 +127,8 @@ TEST_F(HidDoctor, CalibratesForLaterRuns) {
       {"--uncalibrated"}, {"sh", "-c", doctor + "; " + program + " calibrate --device polhem-v1 --yes && " + doctor});
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("forces are off because the device does not know where its handle is"));
-  EXPECT_THAT(outcome.out, HasSubstr("polhem-v1 counts from its home position until it is unplugged, the machine sleeps, or "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("polhem-v1 counts from its home position until it is unplugged, the machine sleeps, or "));
   EXPECT_THAT(outcome.out, HasSubstr("forces are on: polhem-v1\n"));
 }
 
@@ -157,6 +158,11 @@ TEST_F(HidDoctor, KnowsAfterARunWhetherTheDeviceIsCalibrated) {
   EXPECT_THAT(after({"--uncalibrated", "--unplug-after", "400", "--replug-ms", "100"}, calibrate + touch(1.5)),
               HasSubstr(kOff));
   EXPECT_THAT(isOnAfter({"--uncalibrated", "--asks-from", "250"}, touch(1)), HasSubstr(kOn));
+  // The servo's process, which is shut in, notes it too; and takes the note away while it has the device.
+  EXPECT_THAT(isOnAfter({"--uncalibrated"}, calibrate + touch(0.3) + " --service"), HasSubstr(kOn));
+  EXPECT_THAT(
+      after({"--uncalibrated"}, calibrate + touch(9) + " --service & sleep 2; pkill -KILL -x palpate-servo; wait"),
+      HasSubstr(kOff));
 }
 
 TEST_F(HidDoctor, CalibratesOnlyWhatNeedsIt) {

@@ -26,6 +26,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/atomic_file.hpp"
 #include "service/channel/channel.hpp"
 #include "service/memory/link_memory.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
@@ -38,10 +39,10 @@ using testing::HasSubstr;
 constexpr int kNoFilter = 99, kNoLandlock = 98;  // exit statuses: nothing to test on this system
 
 // Its exit status, or 256 and the signal that ended it.
-int inSandbox(const std::function<int()>& work) {
+int inSandbox(const std::function<int()>& work, const std::vector<std::filesystem::path>& kept = {}) {
   const pid_t child = fork();
   if (child == 0) {
-    const Sandbox sandbox = enterSandbox();
+    const Sandbox sandbox = enterSandbox(kept);
     _exit(sandbox.filters_calls ? work() : kNoFilter);
   }
   int status = 0;
@@ -119,6 +120,30 @@ TEST_F(SandboxTest, FilesCannotBeWritten) {
   EXPECT_EQ(word, "kept");
 }
 
+// A note of a device's calibration is made, replaced and removed there, and only there.
+TEST_F(SandboxTest, FilesAreKeptWhereTheCallerSays) {
+  const std::filesystem::path notes = folder_.path() / "notes";
+  std::filesystem::create_directories(notes);
+  std::ofstream(notes / "old") << "old";
+  EXPECT_EQ(inSandbox(
+                [&] {
+                  writeFileAtomically(notes / "new", "new");
+                  writeFileAtomically(notes / "new", "newer");
+                  return unlink((notes / "old").c_str()) == 0 ? 0 : 1;
+                },
+                {notes, folder_.path() / "none"}),
+            0);
+  EXPECT_FALSE(std::filesystem::exists(notes / "old"));
+  std::ifstream written(notes / "new");
+  std::string word;
+  EXPECT_TRUE(written >> word);
+  EXPECT_EQ(word, "newer");
+  const auto outside = [&] {
+    return open(file("probe").c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600) >= 0 ? kNoLandlock : errno;
+  };
+  EXPECT_EQ(inSandbox(outside, {notes}), inSandbox(outside));
+}
+
 // What a servo lives on.
 TEST_F(SandboxTest, AServoCanDoItsWork) {
   Listener engine(file("service.sock"));
@@ -185,7 +210,7 @@ TEST_F(SandboxTest, HoldsForEveryThread) {
       entered.wait(false);
       outcome = errnoOf(socket(AF_INET, SOCK_STREAM, 0));
     });
-    static_cast<void>(enterSandbox());
+    static_cast<void>(enterSandbox({}));
     entered = true;
     entered.notify_all();
     earlier.join();
@@ -202,7 +227,7 @@ TEST(Sandbox, SaysWhatItDid) {
     EXPECT_EQ(pipe(ends), 0);
     if (const pid_t child = fork(); child == 0) {
       if (asked != nullptr) setenv("PALPATE_SANDBOX", asked, 1);
-      const Sandbox sandbox = enterSandbox();
+      const Sandbox sandbox = enterSandbox({});
       _exit(write(ends[1], sandbox.words.data(), sandbox.words.size()) > 0 ? 0 : 1);
     }
     close(ends[1]);
