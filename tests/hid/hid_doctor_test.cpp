@@ -161,7 +161,7 @@ TEST_F(HidDoctor, KnowsAfterARunWhetherTheDeviceIsCalibrated) {
   // The servo's process, which is shut in, notes it too; and takes the note away while it has the device.
   EXPECT_THAT(isOnAfter({"--uncalibrated"}, calibrate + touch(0.3) + " --service"), HasSubstr(kOn));
   EXPECT_THAT(
-      after({"--uncalibrated"}, calibrate + touch(9) + " --service & sleep 2; pkill -KILL -x palpate-servo; wait"),
+      after({"--uncalibrated"}, calibrate + touch(9) + " --service & sleep 2; pkill -KILL -P $! -x palpate-servo; wait"),
       HasSubstr(kOff));
 }
 
