@@ -20,11 +20,11 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path stampFile(const std::string& device_path) {
-  const fs::path runtime = runtimeFolder();
-  if (runtime.empty()) return {};
+  const fs::path folder = calibrationStampsFolder();
+  if (folder.empty()) return {};
   std::string name = device_path;
   std::ranges::replace(name, '/', '_');
-  return runtime / ("calibrated" + name);
+  return folder / ("device" + name);
 }
 
 // Of the machine's sleep [0.1 s]: a device may lose its power meanwhile, and keep its file.
@@ -44,6 +44,11 @@ std::string identityOf(const CalibratedAs& device) {
 }
 
 }  // namespace
+
+fs::path calibrationStampsFolder() {
+  const fs::path runtime = runtimeFolder();
+  return runtime.empty() ? fs::path() : runtime / "calibrated";
+}
 
 CalibrationStamp::CalibrationStamp(const CalibratedAs& device)
     : file_(stampFile(device.path)), identity_(identityOf(device)) {}

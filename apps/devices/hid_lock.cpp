@@ -45,8 +45,9 @@ std::pair<sockaddr_un, socklen_t> nameOf(const std::string& device) {
   return {address, static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + size)};
 }
 
+// For whole packets, since a servo may have no other sockets (service/sandbox).
 Descriptor newSocket() {
-  return Descriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  return Descriptor(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
 // The process that listens there; 0: not known.

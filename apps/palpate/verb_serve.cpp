@@ -59,10 +59,10 @@ void superviseBoth(const std::string& socket) {
 }
 
 // Does not return but with an error.
-[[noreturn]] void becomeServo(std::string socket) {
+[[noreturn]] void becomeServo(std::string socket, bool is_open) {
   const std::filesystem::path program = servoProgram();
-  std::string name = program.string(), flag = "--connect";
-  char* const words[] = {name.data(), flag.data(), socket.data(), nullptr};
+  std::string name = program.string(), flag = "--connect", open = "--no-sandbox";
+  char* const words[] = {name.data(), flag.data(), socket.data(), is_open ? open.data() : nullptr, nullptr};
   execv(program.c_str(), words);
   throw Error(errno == ENOENT ? Error::Code::kNotFound : Error::Code::kIo, program.string(),
               fmt::format("the servo's program cannot be started ({})", std::strerror(errno)),
@@ -106,7 +106,9 @@ void addServoVerb(CLI::App& app) {
       "Example: palpate servo --connect /run/user/1000/palpate/service.sock");
   auto socket = std::make_shared<std::string>(usualSocket());
   verb->add_option("--connect,--socket", *socket, "the socket of the service")->capture_default_str()->check(notEmpty);
-  verb->callback([socket] { becomeServo(*socket); });
+  auto is_open = std::make_shared<bool>(false);
+  verb->add_flag("--no-sandbox", *is_open, "keep all rights, so that a debugger can look into it");
+  verb->callback([socket, is_open] { becomeServo(*socket, *is_open); });
 }
 
 }  // namespace palpate

@@ -3,22 +3,24 @@
 // no fault in graphics code can end it.
 //
 // --channel N: for the engine that started it, at the descriptor N; ends with it. --connect SOCKET: for the engines
-// that listen there, one after another, until SIGTERM or SIGINT.
+// that listen there, one after another, until SIGTERM or SIGINT. Before either it gives up its rights
+// (service/sandbox), but for --no-sandbox behind them, with which a debugger can look into it.
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <vector>
+#include <string>
+#include <system_error>
 
 #include <fcntl.h>
 
 #include "apps/console/message.hpp"
+#include "apps/devices/calibration_stamp.hpp"
 #include "apps/servo_side/servo_host.hpp"
 #include "apps/servo_side/servo_keeper.hpp"
 #include "base/error.hpp"
-#include "base/user_folders.hpp"
-#include "service/sandbox/sandbox.hpp"
+#include "service/sandbox/servo_sandbox.hpp"
 #include "version.hpp"
 
 namespace {
@@ -29,6 +31,21 @@ volatile std::sig_atomic_t stop_asked = 0;
 
 void askToStop(int) {
   stop_asked = 1;
+}
+
+// In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:
+// there is none.
+std::string ownFolder() {
+  const std::filesystem::path folder = palpate::calibrationStampsFolder();
+  std::error_code ignored;
+  if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
+  return std::filesystem::is_directory(folder, ignored) ? folder.string() : std::string();
+}
+
+// What an engine starts is part of its run, which says enough: only what is missing is told there.
+void giveUpRights(bool is_made) {
+  const palpate::SandboxReport report = palpate::enterServoSandbox(ownFolder());
+  if (!is_made || !report.kept.empty()) palpate::tellUser("servo: " + palpate::wordsOf(report));
 }
 
 // A signal to the whole group is the engine's to answer: the force goes to zero when its channel says so, or is closed.
@@ -48,30 +65,24 @@ void serveWhoeverListens(const char* socket) {
                       .tell = [](const std::string& words) { palpate::tellUser("servo: " + words); }});
 }
 
-// What it notes of a device's calibration lies in the runtime folder, and must not stay when it holds no more.
-palpate::Sandbox shutIn() {
-  std::vector<std::filesystem::path> kept;
-  if (const std::filesystem::path notes = palpate::runtimeFolder(); !notes.empty()) {
-    std::error_code ignored;
-    std::filesystem::create_directories(notes, ignored);
-    kept.push_back(notes);
-  }
-  return palpate::enterSandbox(kept);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool is_made = argc == 3 && std::strcmp(argv[1], "--channel") == 0;
-  const bool stays = argc == 3 && std::strcmp(argv[1], "--connect") == 0;
+  const bool is_open = argc == 4 && std::strcmp(argv[3], "--no-sandbox") == 0;
+  const bool has_words = argc == 3 || is_open;
+  const bool is_made = has_words && std::strcmp(argv[1], "--channel") == 0;
+  const bool stays = has_words && std::strcmp(argv[1], "--connect") == 0;
   if (!is_made && !stays) {
     palpate::tellUser("palpate-servo: an engine starts it, or 'palpate servo --connect SOCKET'");
     return kUsage;
   }
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
-  const palpate::Sandbox sandbox = shutIn();
-  if (stays) palpate::tellUser("servo: " + sandbox.words);
   try {
+    if (is_open) {
+      palpate::tellUser("servo: --no-sandbox: it keeps all its rights, and is for debugging only");
+    } else {
+      giveUpRights(is_made);
+    }
     is_made ? serveMaker(argv[2]) : serveWhoeverListens(argv[2]);
     return 0;
   } catch (const palpate::Error& error) {  // the engine has been told, or is not there

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service/sandbox/servo_sandbox.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "service/sandbox/call_filter.hpp"
+#include "service/sandbox/capabilities.hpp"
+#include "service/sandbox/file_fence.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kDevices = "/dev";
+
+// Of files' sizes and of processes there is no limit: messages go to a file that may be long already, memory that two
+// processes share counts as a file, and processes are counted for the user, whose others may be many.
+bool refuseMemoryImages() {
+  const rlimit none = {0, 0};
+  return setrlimit(RLIMIT_CORE, &none) == 0 && prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0;
+}
+
+void noteCapabilities(const CapabilitiesLeft& left, SandboxReport& report) {
+  if (!left.failure.empty()) {
+    report.kept.push_back(fmt::format("capabilities ({})", left.failure));
+  } else if (!left.kept.empty()) {
+    report.given_up.emplace_back("other capabilities");
+    report.kept.push_back(
+        fmt::format("{}, since no limit gives real time (give limits instead: ulimit -r {} -l unlimited)",
+                    fmt::join(left.kept, " and "), kRealTimePriorityLimit));
+  } else {
+    report.given_up.emplace_back("capabilities");
+  }
+}
+
+}  // namespace
+
+SandboxReport enterServoSandbox(const std::string& own_folder) {
+  SandboxReport report;
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0) {
+    report.given_up.emplace_back("new privileges");
+  } else {
+    report.kept.push_back(fmt::format("new privileges ({})", std::strerror(errno)));
+  }
+  noteCapabilities(dropCapabilities(), report);
+  report.is_root = geteuid() == 0;
+  if (refuseMemoryImages()) {
+    report.given_up.emplace_back("being looked into");
+  } else {
+    report.kept.push_back(fmt::format("its memory open to debuggers ({})", std::strerror(errno)));
+  }
+  const FileFence fence = fenceFiles(kDevices, own_folder);
+  if (fence.stands) {
+    report.given_up.push_back(
+        fmt::format("writing files, but for {}{}", kDevices, own_folder.empty() ? "" : " and " + own_folder));
+  } else {
+    report.kept.push_back(fmt::format("writing files ({}: take Linux 5.13 or newer)", fence.why_not));
+  }
+  const std::string no_filter = filterCalls(fence.holds_signals);
+  if (no_filter.empty()) {
+    report.given_up.emplace_back("system calls, but for a list");
+  } else {
+    report.kept.push_back(
+        fmt::format("all system calls ({}: allow them where this machine or container is set up)", no_filter));
+  }
+  return report;
+}
+
+std::string wordsOf(const SandboxReport& report) {
+  const std::string words = report.given_up.empty()
+                                ? std::string("it has given up nothing")
+                                : fmt::format("it has given up {}", fmt::join(report.given_up, ", "));
+  std::vector<std::string> kept = report.kept;
+  if (report.is_root) kept.emplace_back("the user root (start it as whoever sits at the machine)");
+  return kept.empty() ? words : fmt::format("{}; it keeps {}", words, fmt::join(kept, ", and "));
+}
+
+}  // namespace palpate

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Behind the fence files are read, and written in one folder alone. Truth: what the calls themselves say.
+#include "service/sandbox/file_fence.hpp"
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+
+#include "in_child.hpp"
+
+namespace palpate {
+namespace file_fence_test {
+
+constexpr int kKnowsTruncate = 3, kKnowsTcp = 4, kKnowsSignals = 6;  // versions of Landlock
+
+class FenceOfFiles : public testing::Test {
+ protected:
+  FenceOfFiles() {
+    std::string name = (std::filesystem::temp_directory_path() / "palpate-fence-XXXXXX").string();
+    root_ = mkdtemp(name.data());
+    for (const auto& folder : {inside(), devices()}) std::filesystem::create_directories(folder);
+    for (const auto& folder : {root_, inside(), devices()}) std::ofstream(folder / "file") << "words";
+  }
+  ~FenceOfFiles() override { std::filesystem::remove_all(root_); }
+  void SetUp() override {
+    if (landlockVersion() == 0) GTEST_SKIP() << "this kernel has no Landlock";
+  }
+
+  [[nodiscard]] std::filesystem::path inside() const { return root_ / "inside"; }
+  [[nodiscard]] std::filesystem::path devices() const { return root_ / "devices"; }
+  [[nodiscard]] std::string file() const { return (root_ / "file").string(); }
+  [[nodiscard]] std::string insideFile() const { return (inside() / "file").string(); }
+  // errno after the call behind the fence; 0: it works.
+  [[nodiscard]] int behind(const std::function<long()>& call) const {
+    return resultInChild([&] {
+      prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+      return fenceFiles(devices().string(), inside().string()).stands ? errnoOf(call) : 255;
+    });
+  }
+
+ private:
+  std::filesystem::path root_;
+};
+
+TEST_F(FenceOfFiles, ReadsEverywhere) {
+  EXPECT_EQ(behind([&] { return open(file().c_str(), O_RDONLY); }), 0);
+  EXPECT_EQ(behind([&] { return open(insideFile().c_str(), O_RDONLY); }), 0);
+  EXPECT_EQ(behind([] { return open("/", O_RDONLY | O_DIRECTORY); }), 0);
+  EXPECT_EQ(behind([] { return open("/proc/self/statm", O_RDONLY); }), 0);
+}
+
+TEST_F(FenceOfFiles, WritesInTheFoldersAlone) {
+  EXPECT_EQ(behind([&] { return open((devices() / "file").c_str(), O_RDWR); }), 0);
+  EXPECT_EQ(behind([&] { return open(insideFile().c_str(), O_RDWR); }), 0);
+  EXPECT_EQ(behind([&] { return open(file().c_str(), O_RDWR); }), EACCES);
+  EXPECT_EQ(behind([&] { return open(file().c_str(), O_WRONLY | O_APPEND); }), EACCES);
+  if (landlockVersion() >= kKnowsTruncate) {
+    EXPECT_EQ(behind([&] { return truncate(file().c_str(), 0); }), EACCES);
+  }
+  EXPECT_EQ(std::filesystem::file_size(file()), 5U);
+}
+
+TEST_F(FenceOfFiles, MakesAndRemovesPlainFilesInItsOwnFolder) {
+  const std::string old = insideFile(), fresh = (inside() / "fresh").string();
+  EXPECT_EQ(behind([&] { return open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL, 0600); }), 0);
+  EXPECT_EQ(behind([&] { return rename(fresh.c_str(), old.c_str()); }), 0);
+  EXPECT_EQ(behind([&] { return open(old.c_str(), O_WRONLY | O_TRUNC); }), 0);
+  EXPECT_EQ(behind([&] { return unlink(old.c_str()); }), 0);
+  EXPECT_EQ(behind([&] { return mkdir(fresh.c_str(), 0700); }), EACCES);
+  EXPECT_EQ(behind([&] { return symlink("there", fresh.c_str()); }), EACCES);
+}
+
+TEST_F(FenceOfFiles, MakesRemovesAndRunsNothingElsewhere) {
+  for (const std::filesystem::path& folder : {devices(), inside().parent_path()}) {
+    const std::string old = (folder / "file").string(), fresh = (folder / "fresh").string();
+    EXPECT_EQ(behind([&] { return open(fresh.c_str(), O_WRONLY | O_CREAT, 0600); }), EACCES);
+    EXPECT_EQ(behind([&] { return mkdir(fresh.c_str(), 0700); }), EACCES);
+    EXPECT_EQ(behind([&] { return symlink("there", fresh.c_str()); }), EACCES);
+    EXPECT_EQ(behind([&] { return unlink(old.c_str()); }), EACCES);
+    EXPECT_EQ(behind([&] { return rename(old.c_str(), fresh.c_str()); }), EACCES);
+  }
+  EXPECT_EQ(behind([] { return execl("/bin/true", "true", nullptr); }), EACCES);
+}
+
+TEST_F(FenceOfFiles, SignalsReachNobodyElse) {
+  if (landlockVersion() < kKnowsSignals) GTEST_SKIP() << "this kernel's Landlock does not hold signals";
+  EXPECT_EQ(behind([] { return kill(getppid(), 0); }), EPERM);
+  EXPECT_EQ(behind([] { return kill(getpid(), 0); }), 0);
+  EXPECT_EQ(behind([] {
+              const pid_t child = fork();
+              if (child == 0) {
+                poll(nullptr, 0, 5000);
+                _exit(0);
+              }
+              const int result = kill(child, SIGKILL);
+              waitpid(child, nullptr, 0);
+              return result;
+            }),
+            0);
+}
+
+TEST_F(FenceOfFiles, HasNoTcp) {
+  if (landlockVersion() < kKnowsTcp) GTEST_SKIP() << "this kernel's Landlock does not know TCP";
+  sockaddr_in here = {};
+  here.sin_family = AF_INET;
+  here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  here.sin_port = htons(1);
+  const auto* const address = reinterpret_cast<const sockaddr*>(&here);
+  const auto made = [] { return socket(AF_INET, SOCK_STREAM, 0); };
+  EXPECT_EQ(behind([&] { return connect(made(), address, sizeof here); }), EACCES);
+  EXPECT_EQ(behind([&] { return bind(made(), address, sizeof here); }), EACCES);
+}
+
+// Without the promise to gain no rights the kernel makes no fence for a user; for root it does.
+TEST_F(FenceOfFiles, SaysWhyThereIsNone) {
+  EXPECT_EQ(resultInChild([] {
+              prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+              const FileFence fence = fenceFiles("/there/is/no/such/folder", "");
+              return !fence.stands && !fence.holds_signals && !fence.why_not.empty() ? 0 : 1;
+            }),
+            0);
+}
+
+}  // namespace file_fence_test
+}  // namespace palpate
