@@ -45,7 +45,7 @@ std::string ownFolder() {
 // What an engine starts is part of its run, which says enough: only what is missing is told there.
 void giveUpRights(bool is_made) {
   const palpate::SandboxReport report = palpate::enterServoSandbox(ownFolder());
-  if (!is_made || !report.kept.empty()) palpate::tellUser("servo: " + palpate::wordsOf(report));
+  if (!is_made || !report.missing.empty()) palpate::tellUser("servo: " + palpate::wordsOf(report));
 }
 
 // A signal to the whole group is the engine's to answer: the force goes to zero when its channel says so, or is closed.

@@ -28,7 +28,7 @@ bool refuseMemoryImages() {
 
 void noteCapabilities(const CapabilitiesLeft& left, SandboxReport& report) {
   if (!left.failure.empty()) {
-    report.kept.push_back(fmt::format("capabilities ({})", left.failure));
+    report.missing.push_back(fmt::format("capabilities ({})", left.failure));
   } else if (!left.kept.empty()) {
     report.given_up.emplace_back("other capabilities");
     report.kept.push_back(
@@ -46,27 +46,27 @@ SandboxReport enterServoSandbox(const std::string& own_folder) {
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0) {
     report.given_up.emplace_back("new privileges");
   } else {
-    report.kept.push_back(fmt::format("new privileges ({})", std::strerror(errno)));
+    report.missing.push_back(fmt::format("new privileges ({})", std::strerror(errno)));
   }
   noteCapabilities(dropCapabilities(), report);
   report.is_root = geteuid() == 0;
   if (refuseMemoryImages()) {
     report.given_up.emplace_back("being looked into");
   } else {
-    report.kept.push_back(fmt::format("its memory open to debuggers ({})", std::strerror(errno)));
+    report.missing.push_back(fmt::format("its memory open to debuggers ({})", std::strerror(errno)));
   }
   const FileFence fence = fenceFiles(kDevices, own_folder);
   if (fence.stands) {
     report.given_up.push_back(
         fmt::format("writing files, but for {}{}", kDevices, own_folder.empty() ? "" : " and " + own_folder));
   } else {
-    report.kept.push_back(fmt::format("writing files ({}: take Linux 5.13 or newer)", fence.why_not));
+    report.missing.push_back(fmt::format("writing files ({}: take Linux 5.13 or newer)", fence.why_not));
   }
   const std::string no_filter = filterCalls(fence.holds_signals);
   if (no_filter.empty()) {
     report.given_up.emplace_back("system calls, but for a list");
   } else {
-    report.kept.push_back(
+    report.missing.push_back(
         fmt::format("all system calls ({}: allow them where this machine or container is set up)", no_filter));
   }
   return report;
@@ -76,7 +76,8 @@ std::string wordsOf(const SandboxReport& report) {
   const std::string words = report.given_up.empty()
                                 ? std::string("it has given up nothing")
                                 : fmt::format("it has given up {}", fmt::join(report.given_up, ", "));
-  std::vector<std::string> kept = report.kept;
+  std::vector<std::string> kept = report.missing;
+  kept.insert(kept.end(), report.kept.begin(), report.kept.end());
   if (report.is_root) kept.emplace_back("the user root (start it as whoever sits at the machine)");
   return kept.empty() ? words : fmt::format("{}; it keeps {}", words, fmt::join(kept, ", and "));
 }

@@ -21,7 +21,8 @@ namespace palpate {
 
 struct SandboxReport {
   std::vector<std::string> given_up;  // "capabilities"
-  std::vector<std::string> kept;      // what could not be given up, why, and what to do about it
+  std::vector<std::string> missing;   // what the system does not let it give up, why, and what to do about it
+  std::vector<std::string> kept;      // what it has use for: capabilities that no limit replaces
   bool is_root = false;               // user 0, whom a servo has no use for
 };
 
