@@ -36,4 +36,9 @@ std::filesystem::path runtimeFolder() {
   return runtime.empty() ? runtime : runtime / "palpate";
 }
 
+std::filesystem::path calibrationsFolder() {
+  const std::filesystem::path runtime = runtimeFolder();
+  return runtime.empty() ? runtime : runtime / "calibrated";
+}
+
 }  // namespace palpate

@@ -14,5 +14,7 @@ namespace palpate {
 [[nodiscard]] std::filesystem::path cacheFolder();     // $XDG_CACHE_HOME/palpate, or ~/.cache/palpate
 // $XDG_RUNTIME_DIR/palpate, which is gone when the user has logged out; the home folder has none.
 [[nodiscard]] std::filesystem::path runtimeFolder();
+// In it: which devices are calibrated (apps/devices/calibration_stamp.hpp), and nothing else.
+[[nodiscard]] std::filesystem::path calibrationsFolder();
 
 }  // namespace palpate

@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 fs::path stampFile(const std::string& device_path) {
-  const fs::path folder = calibrationStampsFolder();
+  const fs::path folder = calibrationsFolder();
   if (folder.empty()) return {};
   std::string name = device_path;
   std::ranges::replace(name, '/', '_');
@@ -44,11 +44,6 @@ std::string identityOf(const CalibratedAs& device) {
 }
 
 }  // namespace
-
-fs::path calibrationStampsFolder() {
-  const fs::path runtime = runtimeFolder();
-  return runtime.empty() ? fs::path() : runtime / "calibrated";
-}
 
 CalibrationStamp::CalibrationStamp(const CalibratedAs& device)
     : file_(stampFile(device.path)), identity_(identityOf(device)) {}

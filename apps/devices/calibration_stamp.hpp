@@ -21,9 +21,6 @@ struct CalibratedAs {
   DeviceValues values = {};
 };
 
-// Where stamps are, and nothing else. Empty: the system has no runtime folder.
-[[nodiscard]] std::filesystem::path calibrationStampsFolder();
-
 // Of the device that is there now, whatever is there later.
 class CalibrationStamp {
  public:

@@ -16,10 +16,10 @@
 #include <fcntl.h>
 
 #include "apps/console/message.hpp"
-#include "apps/devices/calibration_stamp.hpp"
 #include "apps/servo_side/servo_host.hpp"
 #include "apps/servo_side/servo_keeper.hpp"
 #include "base/error.hpp"
+#include "base/user_folders.hpp"
 #include "service/sandbox/servo_sandbox.hpp"
 #include "version.hpp"
 
@@ -36,7 +36,7 @@ void askToStop(int) {
 // In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:
 // there is none.
 std::string ownFolder() {
-  const std::filesystem::path folder = palpate::calibrationStampsFolder();
+  const std::filesystem::path folder = palpate::calibrationsFolder();
   std::error_code ignored;
   if (!folder.empty()) std::filesystem::create_directories(folder, ignored);
   return std::filesystem::is_directory(folder, ignored) ? folder.string() : std::string();

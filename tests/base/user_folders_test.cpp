@@ -35,7 +35,7 @@ TEST(UserFolders, FollowTheVariablesOfTheDesktop) {
     EXPECT_EQ(stateFolder(), "/s/palpate");
     EXPECT_EQ(cacheFolder(), "/k/palpate");
     EXPECT_EQ(runtimeFolder(), "/r/palpate");
-    EXPECT_EQ(calibrationFolder(), "/r/palpate/calibrated");
+    EXPECT_EQ(calibrationsFolder(), "/r/palpate/calibrated");
   }
   for (const char* unset : {static_cast<const char*>(nullptr), "", "relative"}) {
     const Variable config("XDG_CONFIG_HOME", unset), state("XDG_STATE_HOME", unset), cache("XDG_CACHE_HOME", unset),
@@ -44,7 +44,7 @@ TEST(UserFolders, FollowTheVariablesOfTheDesktop) {
     EXPECT_EQ(stateFolder(), "/home/somebody/.local/state/palpate");
     EXPECT_EQ(cacheFolder(), "/home/somebody/.cache/palpate");
     EXPECT_EQ(runtimeFolder(), "");
-    EXPECT_EQ(calibrationFolder(), "");
+    EXPECT_EQ(calibrationsFolder(), "");
     for (const char* nowhere : {static_cast<const char*>(nullptr), "", "relative"}) {
       const Variable nobody("HOME", nowhere);
       EXPECT_EQ(settingsFolder(), "");

@@ -92,7 +92,8 @@ void Hostile::sendAll(int messages, HostileMessages& from) {
   constexpr std::size_t kAtOnce = 12, kSilent = 10;
   std::vector<Channel> attackers(kAtOnce), silent;
   const Descriptor nothing(open("/dev/null", O_RDONLY | O_CLOEXEC));
-  for (int i = 0; i < messages; ++i) {
+  const std::uint64_t enough = sent_ + static_cast<std::uint64_t>(messages);
+  for (int i = 0; sent_ < enough; ++i) {
     Channel& attacker = attackers[from.below(kAtOnce)];
     if (!attacker.open()) {
       attacker = connectTo(socket());
