@@ -4,12 +4,13 @@
 #include "apps/sculpt/sculpt_session.hpp"
 #include "scene_flag.hpp"
 #include "verbs.hpp"
+#include "version.hpp"
 #include "volume_options.hpp"
 
 namespace palpate {
 namespace {
 
-// Of the device: all that is not of a simulated one's dynamics or of recordings.
+// Of the device: all that is not of a simulated one's dynamics or of recordings. And where the servo is.
 constexpr const char* kDeviceKeys[] = {"device.name",
                                        "device.path",
                                        "device.hid",
@@ -20,7 +21,8 @@ constexpr const char* kDeviceKeys[] = {"device.name",
                                        "device.place_scale",
                                        "device.force_scale",
                                        "device.clutch",
-                                       "device.edge_stiffness_N_per_m"};
+                                       "device.edge_stiffness_N_per_m",
+                                       "servo.service"};
 
 }  // namespace
 
@@ -31,6 +33,7 @@ void addSculptVerb(CLI::App& app,
       "Left button: stroke; right: turn; Shift + right: move; wheel: zoom; F: size; Ctrl+Z: undo.\n"
       "Without a display use 'palpate touch' and 'palpate render'. docs/sculpt.md explains the window");
   auto request = std::make_shared<SculptRequest>();
+  request->commit = programCommit();
   verb->add_option("in", request->volume, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
   verb->add_option("--iso", request->isovalue,
                    "isovalue of the surface [density]; as `palpate touch` chooses it if not given");

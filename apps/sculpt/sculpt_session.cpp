@@ -10,6 +10,8 @@
 #include "apps/held/held_device.hpp"
 #include "apps/held/held_words.hpp"
 #include "apps/servo_setup/contact_bounds.hpp"
+#include "apps/servo_side/remote_servo.hpp"
+#include "apps/servo_side/servo_process.hpp"
 #include "base/error.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/devices/registry.hpp"
@@ -40,7 +42,12 @@ Scene withMouse() {
 }
 
 SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
-    : scene_(request.device), held_device_(request.held), loop_(request.loop), first_settings_(request.servo) {
+    : scene_(request.device),
+      held_device_(request.held),
+      loop_(request.loop),
+      first_settings_(request.servo),
+      commit_(request.commit),
+      is_held_(isHeld(request.device)) {
   checkDevice(scene_);  // before the work
   const Plan plan = makePlan({.edits = true, .other_isovalues = true, .draws = true});
   live_.emplace(LiveVolumeRequest{.volume = request.volume,
@@ -66,17 +73,58 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
   scene_.rate_hz = loop_.rate_hz;
   first_settings_.parameters.isovalue = isovalue;
   first_settings_.parameters.rate_hz = loop_.rate_hz;
-  if (!held_device_) {
+  if (is_held_) return;  // start() takes it over from the volume before
+  if (scene_.service) {
+    makeRemote();
+    makeRig();
+  } else {
     path_.emplace(restingPlace(facts_.object));
+    path_->follow(aims_);
+    aim_.emplace(aims_);
     device_ = makeDevice(scene_.device, {.path = &*path_, .rate_hz = loop_.rate_hz});
     makeRig();
   }
 }
 
+// The servo's process makes the device, and reads the windows that this one publishes.
+void SculptSession::makeRemote() {
+  Engine& engine = live_->engine();
+  const Vec3 rests_W = restingPlace(facts_.object);
+  process_ = std::make_unique<ServoProcess>();
+  remote_ = std::make_unique<RemoteServo>(process_->takeChannel(),
+                                          RemoteServo::Request{.scene = scene_,
+                                                               .box = boxOf(facts_.lattice, facts_.size),
+                                                               .pointer = is_held_ ? nullptr : &rests_W,
+                                                               .told_ticks = kKeptTicks,
+                                                               .window_samples = engine.windowCapacity(),
+                                                               .commit = commit_});
+  LinkMemory& memory = remote_->memory();
+  engine.shareWindows({.block = &memory.windows(),
+                       .samples = memory.samples(),
+                       .capacity = memory.capacity(),
+                       .bytes = memory.windowBytes(),
+                       .first_version = remote_->firstVersion()});
+}
+
+const Device& SculptSession::theDevice() const {
+  return remote_ ? remote_->device() : *device_;
+}
+
+ForceOff SculptSession::forceOff() const noexcept {
+  return remote_ || device_ ? theDevice().forceOff() : ForceOff::kNone;
+}
+
+void SculptSession::aim(const Vec3& hip_W) noexcept {
+  if (aim_) aim_->aim(hip_W);
+  if (remote_ && !is_held_) remote_->aim(hip_W);
+}
+
 void SculptSession::makeRig() {
-  for (const std::string& warning : boundWarnings(first_settings_, loop_, *device_)) tell(warning);
-  rig_ = std::make_unique<TouchRig>(live_->engine(), *device_, loop_, RigVolume{.scale = scale_}, first_settings_,
-                                    &live_->edits());
+  for (const std::string& warning : boundWarnings(first_settings_, loop_, theDevice())) tell(warning);
+  const RigVolume volume{.scale = scale_};
+  Engine& engine = live_->engine();
+  rig_ = remote_ ? std::make_unique<TouchRig>(engine, *remote_, loop_, volume, first_settings_, &live_->edits())
+                 : std::make_unique<TouchRig>(engine, *device_, loop_, volume, first_settings_, &live_->edits());
   rig_->drawFor(view_);
   rig_->keepTicks(kKeptTicks);
 }
@@ -94,12 +142,20 @@ const gpu::GpuInfo& SculptSession::gpu() const noexcept {
 
 void SculptSession::start() {
   if (!rig_) {
-    HeldDevice held = placeHeldDevice(held_device_, scene_, boxOf(facts_.lattice, facts_.size));
-    device_ = std::move(held.device);
-    first_settings_.parameters.damping_Ns_per_m = usualDamping(first_settings_, loop_, *device_);
-    first_settings_.parameters.stiffness_N_per_m = usualStiffness(first_settings_, loop_, *device_);
+    Placement placement;
+    if (scene_.service) {
+      makeRemote();
+      if (remote_->placed())
+        placement = {.scale = remote_->placed()->scale, .force_scale = remote_->placed()->force_scale};
+    } else {
+      HeldDevice held = placeHeldDevice(held_device_, scene_, boxOf(facts_.lattice, facts_.size));
+      device_ = std::move(held.device);
+      placement = held.placement;
+    }
+    first_settings_.parameters.damping_Ns_per_m = usualDamping(first_settings_, loop_, theDevice());
+    first_settings_.parameters.stiffness_N_per_m = usualStiffness(first_settings_, loop_, theDevice());
     for (const std::string& words :
-         heldDeviceWords(scene_.device, *device_, held.placement, first_settings_.parameters.stiffness_N_per_m))
+         heldDeviceWords(scene_.device, theDevice(), placement, first_settings_.parameters.stiffness_N_per_m))
       tell(words);
     makeRig();
   }
@@ -120,7 +176,11 @@ SculptState SculptSession::look() {
   SculptState state;
   state.edits = live_->edits().state();
   state.running = rig_->running();
-  state.force_off = device_->forceOff();
+  state.force_off = theDevice().forceOff();
+  if (remote_ && started_ && !closed_ && !state.running && !std::exchange(told_its_end_, true))
+    tell(
+        "the servo's process has ended; nothing is lost, and the volume can be edited and saved: open it anew for "
+        "another servo");
   state.errands = live_->errands();  // before what they have saved
   state.unsaved = live_->isUnsaved();
   state.drawing_failure = view_.failure();
@@ -149,7 +209,7 @@ void SculptSession::close() {
       static_cast<void>(rig_->wait());
     }
   } catch (...) {
-    failure = std::current_exception();
+    if (!told_its_end_) failure = std::current_exception();
   }
   try {
     if (live_) live_->close();

@@ -21,14 +21,17 @@
 #include "apps/rig/live_view.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
-#include "apps/sculpt/pointer_path.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "engine/session/edit_session.hpp"
 #include "servo/devices/device.hpp"
+#include "servo/devices/pointer_path.hpp"
 
 namespace palpate {
+
+class RemoteServo;
+class ServoProcess;
 
 // A scene whose device is the mouse.
 [[nodiscard]] Scene withMouse();
@@ -41,10 +44,13 @@ struct SculptRequest {
   std::filesystem::path journal = {};    // folder for the journal; empty: none
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
-  Scene device = withMouse();            // device, and how one that is held is placed; the rest is not read
-  std::shared_ptr<Device> held = {};     // that device, if a person holds it (openHeldDevice)
-  LoopParameters loop = {};              // its ticks are set: the servo runs until close()
-  RigSettings servo = {};                // its isovalue is set
+  // Device, how one that is held is placed, and whether the servo is in a process of its own (`service`), which then
+  // opens the device; the rest is not read.
+  Scene device = withMouse();
+  std::string commit = {};            // of this program, which must be the servo's
+  std::shared_ptr<Device> held = {};  // that device, if a person holds it here (openHeldDevice)
+  LoopParameters loop = {};  // its ticks are set: the servo runs until close(); of a service's, its rate counts
+  RigSettings servo = {};    // its isovalue is set
 };
 
 // What a volume is, as loaded.
@@ -80,7 +86,9 @@ class SculptSession {
   [[nodiscard]] const SculptVolume& volume() const noexcept { return facts_; }
   [[nodiscard]] const gpu::GpuInfo& gpu() const noexcept;
   [[nodiscard]] const std::string& device() const noexcept { return scene_.device; }
-  [[nodiscard]] bool deviceIsHeld() const noexcept { return held_device_ != nullptr; }  // the pointer leads nothing
+  [[nodiscard]] bool deviceIsHeld() const noexcept { return is_held_; }  // the pointer leads nothing
+  // Why the device exerts no force; none before start().
+  [[nodiscard]] ForceOff forceOff() const noexcept;
   // What the engine computes, and what it leaves out.
   [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept { return plan_; }
 
@@ -94,9 +102,7 @@ class SculptSession {
 
   LiveView& view() noexcept { return view_; }
   // Where the pointer leads the tool, unless a person holds the device.
-  void aim(const Vec3& hip_W) noexcept {
-    if (path_) path_->aim(hip_W);
-  }
+  void aim(const Vec3& hip_W) noexcept;
   // The newest tick; all since the last call are appended to `records`.
   [[nodiscard]] const TickRecord& tick() { return rig_->ticks().latest(); }
   void takeTicks(std::vector<TickRecord>& records) { rig_->ticks().take(records); }
@@ -125,7 +131,9 @@ class SculptSession {
 
  private:
   void tell(const std::string& text);
+  void makeRemote();
   void makeRig();
+  [[nodiscard]] const Device& theDevice() const;
 
   // Before all that may still have something to tell when it ends.
   std::mutex mutex_;  // guards the next
@@ -139,8 +147,15 @@ class SculptSession {
   LoopParameters loop_;
   RigSettings first_settings_;
   DensityScale scale_;
+  const std::string commit_;
+  bool is_held_ = false;
+  PointerAimBlock aims_;
+  std::optional<PointerAim> aim_;
   std::optional<PointerPath> path_;
   std::unique_ptr<Device> device_;
+  std::unique_ptr<ServoProcess> process_;  // with device.service
+  std::unique_ptr<RemoteServo> remote_;    // its servo
+  bool told_its_end_ = false;
   std::unique_ptr<TouchRig> rig_;
   std::string held_;
   bool started_ = false, closed_ = false;

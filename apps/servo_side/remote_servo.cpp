@@ -18,6 +18,7 @@ namespace palpate {
 namespace {
 
 constexpr int kStopLook_ms = 50;  // how long a request to stop may go unseen
+constexpr int kTickLook_ms = 4;   // between two looks at ticks that are told
 constexpr int kTick_ms = 60'000;  // between two ticks of the simulated clock, which a debugger may hold up
 
 // What the servo needs of it: not where the volume, its edits and the results lie.
@@ -56,8 +57,9 @@ class RemoteServo::Proxy final : public Device {
 RemoteServo::RemoteServo(Channel channel, const Request& request)
     : channel_(std::move(channel), "the servo"),
       loop_patience_ms_(request.loop_patience_ms),
-      memory_(request.window_samples),
-      tool_(memory_.tool()) {
+      memory_({.samples = request.window_samples, .ticks = request.told_ticks}),
+      tool_(memory_.tool()),
+      aims_(memory_.aims()) {
   const wire::HelloT hello =
       request.hello != nullptr ? *request.hello : channel_.expect<wire::HelloT>(request.patience_ms).first;
   if (hello.layout != kLinkLayout)
@@ -73,6 +75,8 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
   make.middle = wireOf(request.box.middle_W);
   make.half = wireOf(request.box.half_W);
   make.recorded_reads = request.recorded_reads;
+  make.pointer_leads = request.pointer != nullptr;
+  if (request.pointer != nullptr) make.pointer_start = wireOf(*request.pointer);
   SealedMemory way;
   if (request.way != nullptr) {
     way = wayMemory(*request.way);
@@ -119,6 +123,7 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, loop.record_ticks < 0 ? loop.ticks : loop.record_ticks));
   make.doubtful = loop.instability.doubtful;
   make.window_samples = memory_.capacity();
+  make.told_ticks = memory_.tickCapacity();
   channel_.send(std::move(make), memory_.descriptor());
   static_cast<void>(channel_.expect<wire::LoopMadeT>(loop_patience_ms_));
 }
@@ -160,19 +165,24 @@ void RemoteServo::start() {
 void RemoteServo::listen() {
   nameThisThread("servo link");
   try {
+    const int look_ms = ticks_ != nullptr ? kTickLook_ms : kStopLook_ms;
     for (int stopping_ms = 0; running();) {
-      std::optional<MessageChannel::Received> received = channel_.receive(kStopLook_ms);
+      std::optional<MessageChannel::Received> received = channel_.receive(look_ms);
+      passTicksOn();
       if (!received) {
         // One that hangs is not waited for without an end.
-        stopping_ms += stop_.load() ? kStopLook_ms : 0;
+        stopping_ms += stop_.load() ? look_ms : 0;
         if (stopping_ms >= MessageChannel::kPatience_ms)
           throw Error(Error::Code::kDevice, "the servo", "its process does not answer", "end it, and start again");
         continue;
       }
       if (const auto* const change = contentOf<wire::ChangeEndedT>(received->body))
         ended_.store(std::min(change->number, given_.load()), std::memory_order_release);
+      if (const auto* const state = contentOf<wire::DeviceStateT>(received->body))
+        device_->set(forceOffOf(state->force_off));
       if (const auto* const ended = contentOf<wire::EndedT>(received->body)) {
         take(*ended, std::move(received->attached));
+        passTicksOn();
         running_.store(false, std::memory_order_release);
       }
     }
@@ -202,8 +212,18 @@ void RemoteServo::leave() noexcept {
   channel_.close();
 }
 
-void RemoteServo::tellTicksTo(LiveTicks&) {
-  refuse("--service", "ticks cannot be watched while the servo is in a process of its own", "leave it out");
+void RemoteServo::tellTicksTo(LiveTicks& live) {
+  if (memory_.tickCapacity() == 0)
+    refuse("the servo", "it was not asked to tell its ticks", "ask for that when it is made");
+  told_ticks_.emplace(memory_.ticks(), memory_.tickRing(), memory_.tickCapacity());
+  ticks_ = &live;
+}
+
+void RemoteServo::passTicksOn() {
+  if (ticks_ == nullptr) return;
+  taken_.clear();
+  told_ticks_->take(taken_);
+  for (const TickRecord& record : taken_) ticks_->add(record);
 }
 
 void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {

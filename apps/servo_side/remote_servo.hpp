@@ -31,7 +31,9 @@ class RemoteServo final : public ServoSide {
   struct Request {
     const Scene& scene;                   // whose device it makes
     VolumeBox box;                        // of the volume, for a device that a person holds
-    const SampledPath* way;               // of a device that none holds; null: none
+    const SampledPath* way = nullptr;     // of a device that none holds; null: none
+    const Vec3* pointer = nullptr;        // or where a pointer leads it at first (aim()); null: it does not [m]
+    std::size_t told_ticks = 0;           // that tellTicksTo() keeps at most between two looks; 0: none
     std::size_t window_samples = 0;       // that a window has at most
     std::size_t recorded_reads = 0;       // of the device, to keep for recording(); 0: none
     std::string commit = {};              // of this program, which must be the servo's
@@ -73,6 +75,8 @@ class RemoteServo final : public ServoSide {
   [[nodiscard]] LoopResult wait() override;
   void requestStop() noexcept override;
   void tellTicksTo(LiveTicks& live) override;
+  // Where the pointer leads the tool from now on (servo/devices/pointer_path.hpp). One thread.
+  void aim(const Vec3& hip_W) noexcept { aims_.aim(hip_W); }
 
   // Ends a run, and lets the other process go; only memory() may be used afterwards. Waits for an end in good order,
   // for some seconds at most.
@@ -88,6 +92,7 @@ class RemoteServo final : public ServoSide {
   void sendMesh(const ContactObject& mesh);
   void take(const wire::EndedT& ended, Descriptor attached);
   void listen();
+  void passTicksOn();
 
   MessageChannel channel_;
   const int loop_patience_ms_;
@@ -96,6 +101,10 @@ class RemoteServo final : public ServoSide {
   std::optional<RecordedContact> session_;
   LinkMemory memory_;
   ToolPoseMailbox tool_;
+  PointerAim aims_;
+  std::optional<LiveTicks> told_ticks_;  // the other end of the servo's
+  LiveTicks* ticks_ = nullptr;           // whom they are told here
+  std::vector<TickRecord> taken_;
   std::atomic<std::uint64_t> given_{0};
   std::atomic<std::uint64_t> ended_{0};
   std::uint64_t first_version_ = 1;

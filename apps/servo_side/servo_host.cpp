@@ -20,6 +20,7 @@
 #include "base/error.hpp"
 #include "service/memory/link_memory.hpp"
 #include "service/messages/message_channel.hpp"
+#include "servo/devices/pointer_path.hpp"
 #include "servo/devices/recording_device.hpp"
 #include "servo/loop/servo_loop.hpp"
 #include "servo/meshes/mesh_object.hpp"
@@ -58,13 +59,16 @@ class ServoHost::Impl {
  private:
   // A servo's ends of what it shares with one engine.
   struct EngineEnd {
-    EngineEnd(Descriptor given, std::size_t window_samples)
-        : memory(std::move(given), window_samples),
+    EngineEnd(Descriptor given, const LinkMemory::Room& room)
+        : memory(std::move(given), room),
           windows(memory.windows(), memory.samples(), memory.capacity()),
-          tool(memory.tool()) {}
+          tool(memory.tool()) {
+      if (room.ticks > 0) ticks.emplace(memory.ticks(), memory.tickRing(), room.ticks);
+    }
     LinkMemory memory;
     WindowExchange windows;
     ToolPoseMailbox tool;
+    std::optional<LiveTicks> ticks;
   };
 
   // Also looks for what ended without a message.
@@ -85,6 +89,7 @@ class ServoHost::Impl {
     }
     if (!loop_ || !started_ || ended_) return;
     takeLinked();
+    if (is_shared_) tellForceOff();
     if (noteEnded() && is_shared_ && changes_ended_ > changes_before_) {
       wire::ChangeEndedT words;
       words.number = changes_ended_ - changes_before_;
@@ -93,6 +98,14 @@ class ServoHost::Impl {
     if (loop_->running()) return;
     started_ = false;
     tellEnd(loop_->wait());
+  }
+
+  void tellForceOff() {
+    const ForceOff now = device_->forceOff();
+    if (std::exchange(told_force_off_, now) == now) return;
+    wire::DeviceStateT words;
+    words.force_off = static_cast<std::uint8_t>(now);
+    channel_->send(words);
   }
 
   // A servo that does not stay brings its force to zero and ends with its engine.
@@ -142,6 +155,8 @@ class ServoHost::Impl {
     const VolumeBox box{.middle_W = vectorOf(make.middle), .half_W = vectorOf(make.half)};
     SampledPath path = make.way_points > 0 ? wayOf(std::move(way), make.way_points, make.way_is_linear)
                                            : SampledPath({0}, {box.middle_W}, SampledPath::Interpolation::kLinear);
+    if (make.pointer_leads && stays_)
+      refuse("the engine", "a pointer leads no servo that stays", "start programs of the same version of Palpate");
     if (device_ && !stays_)
       refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
     if (!device_ || !isSame(make, path)) {
@@ -150,9 +165,11 @@ class ServoHost::Impl {
       device_.reset();
       made_for_ = {make.scene, box, make.recorded_reads};
       way_ = std::make_unique<SampledPath>(std::move(path));
+      if (make.pointer_leads) pointer_ = std::make_unique<PointerPath>(vectorOf(make.pointer_start));
       makeDeviceFor(make, box);
     }
     wire::DeviceMadeT words = wireOf(*device_);
+    told_force_off_ = forceOffOf(words.force_off);
     if (placement_) {
       words.is_placed = true;
       words.place_scale = placement_->scale;
@@ -179,7 +196,8 @@ class ServoHost::Impl {
     if (stays_ && scene_.simulated_clock)
       refuse("--clock simulated", "a servo that stays runs by the real clock", "leave it out");
     objects_ = makeSceneObjects(scene_.objects);
-    SceneDevice made = makeSceneDevice(scene_, *way_, box);
+    const Path& leads = pointer_ ? static_cast<const Path&>(*pointer_) : *way_;
+    SceneDevice made = makeSceneDevice(scene_, leads, box);
     placement_ = made.placement;
     session_ = made.session;
     device_ = std::move(made.device);
@@ -212,7 +230,10 @@ class ServoHost::Impl {
     constexpr std::int64_t kMostTicks = std::int64_t{1} << 32U;
     if (make.record_ticks > kMostTicks || make.ticks > kMostTicks || (stays_ && make.ticks != 0))
       refuse("the engine", "it asks for a run of another length than can be", "make the run shorter");
-    auto end = std::make_unique<EngineEnd>(std::move(memory), make.window_samples);
+    if (make.told_ticks > 0 && stays_)
+      refuse("the engine", "a servo that stays tells no ticks", "start programs of the same version of Palpate");
+    auto end = std::make_unique<EngineEnd>(std::move(memory),
+                                           LinkMemory::Room{.samples = make.window_samples, .ticks = make.told_ticks});
     std::unique_ptr<Algorithm> algorithm = makeAlgorithm(settings, volume_);
     if (loop_ && loop_->running()) {
       linkTo(std::move(end), std::move(algorithm), settings.force_limit_N, make.doubtful);
@@ -228,7 +249,9 @@ class ServoHost::Impl {
       changes_.emplace();
       changes_given_ = changes_ended_ = 0;
       links_.emplace();
+      if (pointer_) pointer_->follow(end_->memory.aims());
       loop_.emplace(loop, *algorithm_, *device_, end_->windows, end_->tool);
+      if (end_->ticks) loop_->tellTicksTo(*end_->ticks);
       loop_->takeChangesFrom(*changes_);
       loop_->takeLinksFrom(*links_);
     }
@@ -349,7 +372,9 @@ class ServoHost::Impl {
   MadeFor made_for_;
   Scene scene_;
   SceneObjects objects_;
-  std::unique_ptr<SampledPath> way_;  // leads the device
+  std::unique_ptr<SampledPath> way_;      // leads the device
+  std::unique_ptr<PointerPath> pointer_;  // or this does
+  ForceOff told_force_off_ = ForceOff::kNone;
   std::unique_ptr<Device> device_;
   std::optional<Placement> placement_;
   std::optional<RecordedContact> session_;

@@ -36,15 +36,20 @@ std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const 
   }
 }
 
+bool isAway(const SculptRequest& request, const SculptSession& session) {
+  return (request.held ? request.held->forceOff() : session.forceOff()) == ForceOff::kDisconnected;
+}
+
 // A device that was pulled while one volume took the other's place is waited for, as long as somebody may plug it in.
-void start(SculptSession& session, const SculptRequest& request) {
-  constexpr int kPatience_ms = 10'000, kLook_ms = 20;
+void start(SculptSession& session, const SculptRequest& request, bool is_first) {
+  constexpr int kPatience_ms = 10'000, kLook_ms = 100;
   for (int waited_ms = 0;; waited_ms += kLook_ms) {
     try {
       return session.start();
     } catch (const Error&) {
-      const bool is_away = request.held && request.held->forceOff() == ForceOff::kDisconnected;
-      if (!is_away || waited_ms >= kPatience_ms || interrupted()) throw;
+      // Whom its own process opens, it finds or it does not.
+      const bool may_come = request.held ? isAway(request, session) : session.deviceIsHeld() && !is_first;
+      if (!may_come || waited_ms >= kPatience_ms || interrupted()) throw;
     }
     if (waited_ms == 0) tellUser(request.device.device + " is not connected: plug it in");
     std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
@@ -54,8 +59,8 @@ void start(SculptSession& session, const SculptRequest& request) {
 // The window of one session, until it shall close: nothing; or until another volume is open.
 std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRequest& request,
                                        const std::filesystem::path& journals, SculptSettings& settings,
-                                       std::string& remark) {
-  start(*open.session, request);
+                                       std::string& remark, bool is_first) {
+  start(*open.session, request, is_first);
   SculptWindow window(host, *open.session, settings);
   if (!remark.empty()) window.say(std::exchange(remark, {}));
   std::unique_ptr<OpenVolume> next;
@@ -66,7 +71,7 @@ std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRe
     }
     request.volume = volume;
     next = openNext(host, window, request, journals);
-    if (next && request.held && request.held->forceOff() == ForceOff::kDisconnected) {
+    if (next && isAway(request, *open.session)) {
       window.say(request.device.device + " is not connected: plug it in, and open the other volume then");
       next.reset();  // no servo begins without a first position
       continue;
@@ -89,7 +94,8 @@ void runWindow(const SculptRequest& asked) {
   SculptRequest request = asked;
   request.device.rate_hz = request.loop.rate_hz;
   // Once for all volumes: what it knows of its calibration is kept, and lost when it is unplugged.
-  if (isHeld(request.device)) request.held = openHeldDevice(request.device);
+  // The servo's process opens it for each volume, and notes the same.
+  if (isHeld(request.device) && !request.device.service) request.held = openHeldDevice(request.device);
   const std::filesystem::path folder = settingsFolder(), state = stateFolder();
   const std::filesystem::path journals = state.empty() ? state : state / "journals";
   const std::filesystem::path file = folder.empty() ? folder : folder / "sculpt.json";
@@ -109,11 +115,11 @@ void runWindow(const SculptRequest& asked) {
     if (!file.empty()) writeSettings(settings, file);
   };
   try {
-    while (open) {
+    for (bool is_first = true; open; is_first = false) {
       const std::string volume = open->session->volume().name;
       settings.opened(lasting(volume));
       host.setTitle("Palpate: " + volume);
-      std::unique_ptr<OpenVolume> next = runSession(host, *open, request, journals, settings, remark);
+      std::unique_ptr<OpenVolume> next = runSession(host, *open, request, journals, settings, remark, is_first);
       open.reset();  // the session before its journal's folder
       open = std::move(next);
     }

@@ -15,34 +15,43 @@ constexpr std::size_t wholePages(std::size_t bytes) {
   return (bytes + LinkMemory::kPage - 1) / LinkMemory::kPage * LinkMemory::kPage;
 }
 
-std::size_t bytesFor(std::size_t capacity_samples) {
-  if (capacity_samples < 8 || capacity_samples > LinkMemory::kMostWindowSamples) {
+void checkRoom(const LinkMemory::Room& room) {
+  if (room.samples < 8 || room.samples > LinkMemory::kMostWindowSamples) {
+    throw Error(
+        Error::Code::kBadInput, "shared memory",
+        formatted("windows of {} samples are none; they have 8 to {}", room.samples, LinkMemory::kMostWindowSamples),
+        "start programs of the same version of Palpate");
+  }
+  if (room.ticks > LinkMemory::kMostTicks) {
     throw Error(Error::Code::kBadInput, "shared memory",
-                formatted("windows of {} samples are none; they have 8 to {}", capacity_samples,
-                          LinkMemory::kMostWindowSamples),
+                formatted("there is no room for {} ticks, but for {}", room.ticks, LinkMemory::kMostTicks),
                 "start programs of the same version of Palpate");
   }
-  return wholePages(sizeof(LinkBlock)) + 3 * wholePages(capacity_samples * sizeof(Sample));
 }
 
-LinkHeader headerFor(std::size_t capacity_samples) {
+std::size_t bytesFor(const LinkMemory::Room& room) {
+  checkRoom(room);
+  return wholePages(sizeof(LinkBlock)) + 3 * wholePages(room.samples * sizeof(Sample)) +
+         wholePages(room.ticks * sizeof(TickRecord));
+}
+
+LinkHeader headerFor(const LinkMemory::Room& room) {
   LinkHeader header;
   header.block_bytes = sizeof(LinkBlock);
-  header.capacity_samples = capacity_samples;
+  header.capacity_samples = room.samples;
+  header.capacity_ticks = room.ticks;
   return header;
 }
 
 }  // namespace
 
-LinkMemory::LinkMemory(std::size_t capacity_samples)
-    : capacity_samples_(capacity_samples), memory_("palpate-link", bytesFor(capacity_samples)) {
+LinkMemory::LinkMemory(const Room& room) : room_(room), memory_("palpate-link", bytesFor(room)) {
   auto* const made = new (memory_.data()) LinkBlock{};
-  made->header = headerFor(capacity_samples);
+  made->header = headerFor(room);
 }
 
-LinkMemory::LinkMemory(Descriptor given, std::size_t capacity_samples)
-    : capacity_samples_(capacity_samples), memory_(std::move(given), bytesFor(capacity_samples)) {
-  const LinkHeader header = block().header, expected = headerFor(capacity_samples);
+LinkMemory::LinkMemory(Descriptor given, const Room& room) : room_(room), memory_(std::move(given), bytesFor(room)) {
+  const LinkHeader header = block().header, expected = headerFor(room);
   if (std::memcmp(&header, &expected, sizeof header) != 0) {
     throw Error(Error::Code::kBadInput, "shared memory",
                 formatted("its layout is not number {}, which this program knows", kLinkLayout),
@@ -55,7 +64,11 @@ LinkBlock& LinkMemory::block() noexcept {
 }
 
 std::size_t LinkMemory::windowBytes() const noexcept {
-  return wholePages(capacity_samples_ * sizeof(Sample));
+  return wholePages(room_.samples * sizeof(Sample));
+}
+
+TickRecord* LinkMemory::tickRing() noexcept {
+  return reinterpret_cast<TickRecord*>(memory_.data() + wholePages(sizeof(LinkBlock)) + 3 * windowBytes());
 }
 
 std::array<Sample*, 3> LinkMemory::samples() noexcept {

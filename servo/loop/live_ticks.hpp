@@ -3,11 +3,14 @@
 // last look.
 //
 // Threads: add() by the servo, the rest by one reader. Wait-free on both sides. If the reader looks too seldom, the
-// list misses ticks; the tick numbers show where. Memory: `capacity` records. Cost of add(): two copies of a record.
+// list misses ticks; the tick numbers show where. Memory: `capacity` records, above 0. Cost of add(): two copies of a
+// record. The two may be processes that share block and ring; counts that are found there are not believed.
 #pragma once
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "servo/loop/tick_record.hpp"
@@ -15,17 +18,27 @@
 
 namespace palpate {
 
+// What both sides see, beside the ring of records.
+struct LiveTicksBlock {
+  TripleBlock<TickRecord> latest{TickRecord{.tick = -1}};
+  alignas(64) std::atomic<std::uint64_t> added{0};
+  alignas(64) std::atomic<std::uint64_t> taken{0};
+};
+
 class LiveTicks {
  public:
-  explicit LiveTicks(std::size_t capacity) : ring_(capacity) {}
+  explicit LiveTicks(std::size_t capacity)
+      : own_(std::make_unique<Own>(capacity)), block_(own_->block), ring_(own_->ring.data()), capacity_(capacity) {}
+  // One side over memory that neither side has used, and which outlives this.
+  LiveTicks(LiveTicksBlock& shared, TickRecord* ring, std::size_t capacity) noexcept
+      : block_(shared), ring_(ring), capacity_(capacity) {}
 
   void add(const TickRecord& record) noexcept {
     latest_.back() = record;
     latest_.publish();
-    const std::size_t added = added_.load(std::memory_order_relaxed);
-    if (added - taken_.load(std::memory_order_acquire) == ring_.size()) return;
-    ring_[added % ring_.size()] = record;
-    added_.store(added + 1, std::memory_order_release);
+    if (added_ - block_.taken.load(std::memory_order_acquire) >= capacity_) return;
+    ring_[added_ % capacity_] = record;
+    block_.added.store(++added_, std::memory_order_release);
   }
 
   // The newest tick; tick -1 before the first. Valid until the next call.
@@ -33,17 +46,25 @@ class LiveTicks {
 
   // Appends the ticks since the last call, in order.
   void take(std::vector<TickRecord>& records) {
-    const std::size_t added = added_.load(std::memory_order_acquire);
-    std::size_t taken = taken_.load(std::memory_order_relaxed);
-    for (; taken != added; ++taken) records.push_back(ring_[taken % ring_.size()]);
-    taken_.store(taken, std::memory_order_release);
+    const std::uint64_t added = block_.added.load(std::memory_order_acquire);
+    if (added - taken_ > capacity_) taken_ = added;  // no servo counts so
+    for (; taken_ != added; ++taken_) records.push_back(ring_[taken_ % capacity_]);
+    block_.taken.store(taken_, std::memory_order_release);
   }
 
  private:
-  std::vector<TickRecord> ring_;
-  std::atomic<std::size_t> added_{0};
-  std::atomic<std::size_t> taken_{0};
-  TripleBuffer<TickRecord> latest_{TickRecord{.tick = -1}};
+  struct Own {
+    explicit Own(std::size_t capacity) : ring(capacity) {}
+    LiveTicksBlock block;
+    std::vector<TickRecord> ring;
+  };
+  std::unique_ptr<Own> own_;  // null: the memory is shared
+  LiveTicksBlock& block_;
+  TickRecord* const ring_;
+  const std::size_t capacity_;
+  alignas(64) std::uint64_t added_ = 0;  // the servo's
+  alignas(64) std::uint64_t taken_ = 0;  // the reader's
+  TripleBuffer<TickRecord> latest_{block_.latest};
 };
 
 }  // namespace palpate

@@ -39,11 +39,14 @@ std::size_t threadsOf(pid_t process) {
 }
 
 pid_t childOf(pid_t process, const std::string& name) {
-  std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", process));
-  for (pid_t child = 0; children >> child;) {
-    std::ifstream file(fmt::format("/proc/{}/comm", child));
-    std::string comm;
-    if (std::getline(file, comm) && comm == name) return child;
+  std::error_code gone;
+  for (const auto& task : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process), gone)) {
+    std::ifstream children(task.path() / "children");
+    for (pid_t child = 0; children >> child;) {
+      std::ifstream file(fmt::format("/proc/{}/comm", child));
+      std::string comm;
+      if (std::getline(file, comm) && comm == name) return child;
+    }
   }
   return 0;
 }

@@ -13,7 +13,7 @@ namespace palpate {
 [[nodiscard]] double ownMemory(pid_t process);
 [[nodiscard]] std::size_t openDescriptorsOf(pid_t process);
 [[nodiscard]] std::size_t threadsOf(pid_t process);
-// The first child of that name; 0: none.
+// A child of that name, of any thread; 0: none.
 [[nodiscard]] pid_t childOf(pid_t process, const std::string& name);
 
 }  // namespace palpate

@@ -218,12 +218,10 @@ TEST_F(RemoteRig, RefusalsComeBack) {
   scene.device = "recorded";
   scene.recording = "none.rec";
   Host host;
-  EXPECT_THAT(refusalOf(
-                  [&] {
-                    RemoteServo servo(host.takeChannel(), {scene, {}, nullptr, 512});
-                  },
-                  Error::Code::kNotFound),
-              HasSubstr("none.rec: the recording cannot be opened"));
+  EXPECT_THAT(
+      refusalOf([&] { RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .window_samples = 512}); },
+                Error::Code::kNotFound),
+      HasSubstr("none.rec: the recording cannot be opened"));
   host.join();
   EXPECT_THAT(host.ended_with, HasSubstr("none.rec"));
 }
@@ -430,6 +428,25 @@ TEST_F(StayingServo, LeavesAnEngineThatDiedBeforeItsFirstWindow) {
   }
   const std::vector<ToolPose> third = engineFor(host.connect());
   EXPECT_GT(third.front().tick, first.back().tick);
+}
+
+// A window's pointer and its list of ticks are for a servo of its own.
+TEST_F(StayingServo, NoPointerLeadsItAndItTellsNoTicks) {
+  StayingHost host;
+  const Vec3 start_W(0, 0, 0);
+  EXPECT_THAT(refusalOf([&] {
+                const RemoteServo servo(host.connect(),
+                                        {.scene = scene, .box = {}, .pointer = &start_W, .window_samples = 512});
+              }),
+              HasSubstr("a pointer leads no servo that stays"));
+  EXPECT_THAT(refusalOf([&] {
+                RemoteServo servo(host.connect(),
+                                  {.scene = scene, .box = {}, .way = &*path, .told_ticks = 64, .window_samples = 512});
+                const RigVolume touched = rigVolume();
+                servo.makeLoop(loop, rigSettings(scene, phantom->isovalue()), touched, nullptr);
+              }),
+              HasSubstr("a servo that stays tells no ticks"));
+  static_cast<void>(engineFor(host.connect()));  // and it stays
 }
 
 TEST_F(StayingServo, RefusesAnEngineOfAnotherVersionAndStays) {

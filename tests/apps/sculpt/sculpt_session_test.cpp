@@ -2,12 +2,15 @@
 // A volume that is seen, touched and edited by the real clock, without a window.
 #include "apps/sculpt/sculpt_session.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <functional>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "apps/sculpt/brush_choice.hpp"
 #include "apps/sculpt/orbit_view.hpp"
@@ -17,6 +20,9 @@
 #include "engine/journal/replay.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "temporary_folder.hpp"
+#include "tests/apps/palpate/child_process.hpp"
+#include "tests/endurance/process_facts.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace sculpt_session_test {
@@ -42,7 +48,7 @@ struct Person {
   PointerTool tool{0.1};
   std::vector<std::string> heard;
 
-  explicit Person(SculptRequest request = {.volume = kBall})
+  explicit Person(SculptRequest request)
       : session(withJournal(std::move(request)), silent), orbit(session.volume().object, 120, 90) {
     session.start();
     session.view().show({orbit.camera(), {}, DrawOrder::kCoarseFirst});
@@ -78,8 +84,28 @@ struct Person {
   }
 };
 
-TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
-  Person person;
+// That the programs here were built from: "palpate 0.1.0 (0123456789)".
+std::string commitOfPrograms() {
+  const std::string words = runPalpate({.arguments = {"--version"}}).out;
+  const std::size_t begin = words.find('(') + 1;
+  return words.substr(begin, words.find(')') - begin);
+}
+
+// With the servo in this process, and in one of its own.
+class SculptSessions : public testing::TestWithParam<bool> {
+ protected:
+  static SculptRequest request() {
+    SculptRequest request{.volume = kBall};
+    request.device.service = GetParam();
+    if (GetParam()) request.commit = commitOfPrograms();
+    return request;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Servo, SculptSessions, testing::Bool(),
+                         [](const auto& one) { return one.param ? "InItsOwnProcess" : "Here"; });
+
+TEST_P(SculptSessions, IsSeenFeltDrilledUndoneAndSaved) {
+  Person person(request());
   ASSERT_TRUE(person.seesAll());
   EXPECT_FALSE(person.look().unsaved);
   const float before = person.session.view().latest().pixels[45 * 120 + 60].distance_m;
@@ -95,7 +121,9 @@ TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
 
   BrushChoice drill{.radius_m = 3e-3, .strength = 1};
   person.session.press(toolBrush(drill, {}));
-  EXPECT_TRUE(person.presses([&] { return person.look().edits.edits >= 1 && !person.session.tick().in_contact; }));
+  // The soft edge of the brush leaves the surface where it touches the tool with no force.
+  EXPECT_TRUE(person.presses(
+      [&] { return person.look().edits.edits >= 1 && asVec3(person.session.tick().force_W).norm() < 1e-3; }));
   person.session.release();
   ASSERT_TRUE(waitFor([&] {
     const ViewFrame& frame = person.session.view().latest();
@@ -133,15 +161,15 @@ TEST(SculptSession, IsSeenFeltDrilledUndoneAndSaved) {
   EXPECT_TRUE(std::filesystem::exists(person.folder.path() / "journal" / "journal.palpate"));  // the undo is unsaved
 }
 
-TEST(SculptSession, LeavesNoJournalWhereNothingIsUnsaved) {
-  Person person;
+TEST_P(SculptSessions, LeavesNoJournalWhereNothingIsUnsaved) {
+  Person person(request());
   EXPECT_TRUE(std::filesystem::exists(person.folder.path() / "journal"));
   person.session.close();
   EXPECT_FALSE(std::filesystem::exists(person.folder.path() / "journal"));
 }
 
-TEST(SculptSession, RefusesFilesThatItCannotWrite) {
-  Person person;
+TEST_P(SculptSessions, RefusesFilesThatItCannotWrite) {
+  Person person(request());
   EXPECT_THROW(person.session.save((person.folder.path() / "picture.png").string()), Error);
   person.session.save((person.folder.path() / "no folder" / "a.vdb").string());
   ASSERT_TRUE(waitFor([&] { return person.look().errands == 0; }));
@@ -149,8 +177,8 @@ TEST(SculptSession, RefusesFilesThatItCannotWrite) {
   EXPECT_TRUE(person.look().running);
 }
 
-TEST(SculptSession, FollowsAnotherIsovalueAndTellsARefusal) {
-  Person person;
+TEST_P(SculptSessions, FollowsAnotherIsovalueAndTellsARefusal) {
+  Person person(request());
   ASSERT_TRUE(person.seesAll());
   const float before = person.session.view().latest().pixels[45 * 120 + 60].distance_m;
   RigSettings settings = person.session.settings();
@@ -168,8 +196,8 @@ TEST(SculptSession, FollowsAnotherIsovalueAndTellsARefusal) {
   EXPECT_EQ(person.session.settings().parameters.isovalue, first - 300);
 }
 
-TEST(SculptSession, SavesWhatWasAskedForBeforeItCloses) {
-  Person person;
+TEST_P(SculptSessions, SavesWhatWasAskedForBeforeItCloses) {
+  Person person(request());
   ASSERT_TRUE(person.seesAll());
   person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
   ASSERT_TRUE(person.presses([&] { return person.look().edits.edits >= 1; }));
@@ -178,6 +206,67 @@ TEST(SculptSession, SavesWhatWasAskedForBeforeItCloses) {
   person.session.save(file);
   person.session.close();
   EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+// The servo's settings change while it runs, in whichever process.
+TEST_P(SculptSessions, IsFeltAsItIsSet) {
+  Person person(request());
+  ASSERT_TRUE(person.seesAll());
+  const auto isFelt = [&](double force_N) {
+    return person.presses([&] {
+      const TickRecord& tick = person.session.tick();
+      return tick.in_contact && std::abs(asVec3(tick.force_W).norm() - force_N) < 0.1;
+    });
+  };
+  EXPECT_TRUE(isFelt(0.75));
+  RigSettings settings = person.session.settings();
+  settings.parameters.stiffness_N_per_m = 1000;
+  person.session.change(settings);
+  EXPECT_TRUE(isFelt(1.5));
+  settings.force_limit_N = 0.5;
+  person.session.change(settings);
+  EXPECT_TRUE(isFelt(0.5));
+  // Every tick is told, but for those on a busy machine.
+  std::vector<TickRecord> ticks;
+  ASSERT_TRUE(waitFor([&] {
+    person.session.takeTicks(ticks);
+    return ticks.size() > 200;
+  }));
+  for (std::size_t i = 1; i < ticks.size(); ++i) ASSERT_GT(ticks[i].tick, ticks[i - 1].tick);
+}
+
+// Killed: the window says so, and what was edited can still be undone and saved.
+TEST(SculptSession, OutlivesItsServosProcess) {
+  SculptRequest asked{.volume = kBall};
+  asked.device.service = true;
+  asked.commit = commitOfPrograms();
+  Person person(asked);
+  ASSERT_TRUE(person.seesAll());
+  person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
+  ASSERT_TRUE(person.presses([&] { return person.look().edits.edits >= 1; }));
+  person.session.release();
+  const pid_t servo = childOf(getpid(), "palpate-servo");
+  ASSERT_GT(servo, 0);
+  kill(servo, SIGKILL);
+  ASSERT_TRUE(waitFor([&] { return !person.look().running; }));
+  EXPECT_THAT(person.heard, testing::Contains(HasSubstr("the servo's process has ended")));
+  person.session.undo();
+  ASSERT_TRUE(waitFor([&] { return person.look().edits.canRedo(); }));
+  const std::string file = (person.folder.path() / "kept.vdb").string();
+  person.session.save(file);
+  ASSERT_TRUE(waitFor([&] { return person.look().errands == 0; }));
+  EXPECT_EQ(contentHash(loadVolume(file)), contentHash(loadVolume(kBall)));
+  EXPECT_NO_THROW(person.session.close());
+  EXPECT_EQ(std::ranges::count(person.heard, person.heard.front()), 1);  // told once
+}
+
+// One of another build is no servo of this program.
+TEST(SculptSession, RefusesAServoOfAnotherBuild) {
+  SculptRequest asked{.volume = kBall};
+  asked.device.service = true;
+  asked.commit = "another";
+  Progress silent(nullptr);
+  EXPECT_THAT(refusalOf([&] { const SculptSession session(asked, silent); }), HasSubstr("it was built from"));
 }
 
 }  // namespace sculpt_session_test

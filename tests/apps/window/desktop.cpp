@@ -200,7 +200,8 @@ void Started::signals(int number) const {
   pid_t last = process_;
   const auto childOf = [](pid_t process) {
     const std::string children = textOf(fmt::format("/proc/{0}/task/{0}/children", process));
-    return children.empty() ? -1 : std::stoi(children);
+    const pid_t child = children.empty() ? -1 : std::stoi(children);
+    return child != -1 && textOf(fmt::format("/proc/{}/comm", child)) == "palpate-servo\n" ? -1 : child;
   };
   for (pid_t child = has_runner_ ? childOf(last) : -1; child != -1; child = childOf(child)) last = child;
   kill(last, number);

@@ -88,6 +88,7 @@ class Started {
   void signals(int number) const;  // to the program, also if a runner started it
   // Its exit status, or 256 and the signal; -1 if it does not end within a minute.
   [[nodiscard]] int ends();
+  [[nodiscard]] pid_t id() const noexcept { return process_; }
   [[nodiscard]] std::string said() const;  // on both streams
 
  private:

@@ -13,7 +13,8 @@
 namespace palpate {
 namespace window_device_test {
 
-class WithAnArm : public OnADesktop {
+// The servo is in the window's process, or in one of its own.
+class WithAnArm : public OnADesktop, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
     OnADesktop::SetUp();
@@ -34,6 +35,7 @@ class WithAnArm : public OnADesktop {
     more = {{"XDG_RUNTIME_DIR", folder.path().string()}};
     options = {"--device",        "polhem-v1", "--place-at", "0,0,0", "--place-scale", "1", "--calibrated",
                "--current-limit", "3",         "--edge",     "0"};
+    if (GetParam()) options.emplace_back("--service");
   }
   void startWithArm(const std::vector<std::string>& how = {}) {
     runner = {PALPATE_EMULATE_HID};
@@ -73,8 +75,11 @@ class WithAnArm : public OnADesktop {
   std::vector<std::string> arm;  // how it is emulated
 };
 
+INSTANTIATE_TEST_SUITE_P(Servo, WithAnArm, testing::Bool(),
+                         [](const auto& one) { return one.param ? "InItsOwnProcess" : "Here"; });
+
 // The mouse's pointer stays at the picture's edge, and its button holds the brush: the tool is where the arm is.
-TEST_F(WithAnArm, DrillsWhereTheArmIs) {
+TEST_P(WithAnArm, DrillsWhereTheArmIs) {
   startWithArm();
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   desktop->moves(kPicture.x + 20, 20);
@@ -98,7 +103,7 @@ TEST_F(WithAnArm, DrillsWhereTheArmIs) {
 }
 
 // One device for all volumes, which knows whether it is calibrated.
-TEST_F(WithAnArm, GoesOnWithAnotherVolume) {
+TEST_P(WithAnArm, GoesOnWithAnotherVolume) {
   startWithArm();
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   EXPECT_TRUE(drillsInAnotherVolume()) << program->said();
@@ -107,7 +112,7 @@ TEST_F(WithAnArm, GoesOnWithAnotherVolume) {
 
 // The same, but the cable was pulled for a moment: it counts from anywhere then, and exerts no force, whatever was said
 // of it at the start.
-TEST_F(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
+TEST_P(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
   startWithArm({"--unplug-after", "3000", "--replug-ms", "300"});
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   std::this_thread::sleep_for(std::chrono::seconds(5));
@@ -116,7 +121,7 @@ TEST_F(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
 }
 
 // With the cable out no other volume is opened: the one that is open stays, and the window says why.
-TEST_F(WithAnArm, ThatIsUnpluggedLeavesTheVolumeOpen) {
+TEST_P(WithAnArm, ThatIsUnpluggedLeavesTheVolumeOpen) {
   startWithArm({"--unplug-after", "3000"});
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   std::this_thread::sleep_for(std::chrono::seconds(5));
@@ -134,6 +139,13 @@ TEST_F(WithAnArm, ThatIsUnpluggedLeavesTheVolumeOpen) {
 // Without an arm: the words that say what is missing, before any window.
 TEST_F(OnADesktop, SaysThatNoDeviceIsThere) {
   options = {"--device", "spacemouse"};
+  start();
+  EXPECT_EQ(program->ends(), 3) << program->said();
+  EXPECT_THAT(program->said(), testing::HasSubstr("spacemouse"));
+}
+
+TEST_F(OnADesktop, SaysThatTheServosProcessFindsNoDevice) {
+  options = {"--device", "spacemouse", "--service"};
   start();
   EXPECT_EQ(program->ends(), 3) << program->said();
   EXPECT_THAT(program->said(), testing::HasSubstr("spacemouse"));

@@ -81,9 +81,9 @@ bool isWhole(const SampleWindow& window) {
 
 TEST(LinkMemory, CarriesWindowsAndPosesBetweenProcesses) {
   constexpr std::uint64_t kFirst = 1000, kWindows = 20'000;
-  LinkMemory memory(kSamples);
+  LinkMemory memory({.samples = kSamples});
   Other engine([&] {
-    LinkMemory theirs(copyOf(memory), kSamples);
+    LinkMemory theirs(copyOf(memory), {.samples = kSamples});
     WindowExchange exchange(theirs.windows(), theirs.samples(), kSamples, kFirst);
     ToolPoseMailbox tool(theirs.tool());
     for (std::uint64_t n = 0; n < kWindows; ++n) {
@@ -112,7 +112,7 @@ TEST(LinkMemory, CarriesWindowsAndPosesBetweenProcesses) {
 }
 
 TEST(LinkMemory, CarriesAllOfAPose) {
-  LinkMemory memory(kSamples);
+  LinkMemory memory({.samples = kSamples});
   ToolPoseMailbox servo(memory.tool()), engine(memory.tool());
   EXPECT_EQ(engine.latest().tick, -1);
   ToolPose pose;
@@ -163,7 +163,7 @@ TEST(LinkMemory, LeavesOutPosesThatAreNoPlace) {
 TEST(LinkMemory, AKilledEngineLeavesAWholeWindow) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 60; ++trial) {
-    LinkMemory memory(kSamples);
+    LinkMemory memory({.samples = kSamples});
     Other engine([&] {
       WindowExchange exchange(memory.windows(), memory.samples(), kSamples);
       while (true) {
@@ -195,7 +195,7 @@ TEST(LinkMemory, AKilledEngineLeavesAWholeWindow) {
 
 // The other process writes anything anywhere. A window is then unusable, or has a lattice and samples that are there.
 TEST(LinkMemory, WhatIsNoWindowIsNotUsed) {
-  LinkMemory memory(kSamples);
+  LinkMemory memory({.samples = kSamples});
   Other hostile([&] {
     std::mt19937_64 random(2);
     auto* const bytes = reinterpret_cast<std::byte*>(&memory.windows());
@@ -274,26 +274,91 @@ TEST(LinkMemory, EachNumberOfAWindowIsChecked) {
 }
 
 TEST(LinkMemory, EachSideKnowsWhatItMaps) {
-  const LinkMemory memory(kSamples);
-  EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), kSamples + 512); }), testing::HasSubstr("same version"));
+  const LinkMemory memory({.samples = kSamples});
+  EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), {.samples = kSamples + 512}); }),
+              testing::HasSubstr("same version"));
   for (const std::size_t bad : {std::size_t{0}, std::size_t{7}, LinkMemory::kMostWindowSamples + 1, SIZE_MAX}) {
-    EXPECT_THAT(refusalOf([&] { LinkMemory none(bad); }), testing::HasSubstr("they have 8 to"));
-    EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), bad); }), testing::HasSubstr("they have 8 to"));
+    EXPECT_THAT(refusalOf([&] { LinkMemory none({.samples = bad}); }), testing::HasSubstr("they have 8 to"));
+    EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), {.samples = bad}); }),
+                testing::HasSubstr("they have 8 to"));
   }
-  EXPECT_NO_THROW(static_cast<void>(LinkMemory{8}));
-  EXPECT_NO_THROW(static_cast<void>(LinkMemory{LinkMemory::kMostWindowSamples}));
+  EXPECT_NO_THROW(static_cast<void>(LinkMemory({.samples = 8, .ticks = 0})));
+  EXPECT_NO_THROW(
+      static_cast<void>(LinkMemory({.samples = LinkMemory::kMostWindowSamples, .ticks = LinkMemory::kMostTicks})));
+  for (const std::size_t bad : {LinkMemory::kMostTicks + 1, SIZE_MAX}) {
+    EXPECT_THAT(refusalOf([&] { LinkMemory none({.samples = 8, .ticks = bad}); }), testing::HasSubstr("no room for"));
+    EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), {.samples = kSamples, .ticks = bad}); }),
+                testing::HasSubstr("no room for"));
+  }
+  EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(memory), {.samples = kSamples, .ticks = 64}); }),
+              testing::HasSubstr("same version"));
   // Of another layout: each byte of the header counts.
   for (std::size_t i = 0; i < sizeof(LinkHeader); ++i) {
-    LinkMemory other(kSamples);
+    LinkMemory other({.samples = kSamples});
     auto* const header = reinterpret_cast<std::byte*>(&other.windows()) - 64;
     header[i] ^= std::byte{1};
-    EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(other), kSamples); }), testing::HasSubstr("layout")) << i;
+    EXPECT_THAT(refusalOf([&] { LinkMemory none(copyOf(other), {.samples = kSamples}); }), testing::HasSubstr("layout"))
+        << i;
   }
+}
+
+// Ticks go the one way and a pointer's aims the other, between two processes.
+TEST(LinkMemory, CarriesTicksAndAimsBetweenProcesses) {
+  constexpr std::int64_t kTicks = 50'000;
+  const LinkMemory::Room room{.samples = kSamples, .ticks = 128};
+  LinkMemory memory(room);
+  Other servo([&] {
+    LinkMemory theirs(copyOf(memory), room);
+    LiveTicks ticks(theirs.ticks(), theirs.tickRing(), theirs.tickCapacity());
+    PointerPath path(Vec3(0, 0, 0));
+    path.follow(theirs.aims());
+    for (std::int64_t tick = 0; tick < kTicks; ++tick) {
+      const auto number = static_cast<double>(tick);
+      ticks.add({.tick = tick, .time_s = number, .force_W = {number, -number, 2 * number}});
+      if (tick % 64 == 0) std::this_thread::yield();
+    }
+    for (double time_s = 1; path.position(time_s).x() < 2.999; time_s += 0.001) std::this_thread::yield();
+  });
+  LiveTicks ticks(memory.ticks(), memory.tickRing(), memory.tickCapacity());
+  PointerAim pointer(memory.aims());
+  std::vector<TickRecord> taken;
+  std::int64_t last = -1, broken = 0;
+  while (ticks.latest().tick < kTicks - 1) {
+    taken.clear();
+    ticks.take(taken);
+    for (const TickRecord& record : taken) {
+      const auto number = static_cast<double>(record.tick);
+      broken += record.tick > last && record.time_s == number && record.force_W[2] == 2 * number ? 0 : 1;
+      last = record.tick;
+    }
+  }
+  EXPECT_EQ(broken, 0);
+  EXPECT_GT(last, 0);
+  pointer.aim(Vec3(3, 0, 0));
+  EXPECT_EQ(servo.end(), 0);
+}
+
+// Whatever the other side counts, no more is taken than there can be, and nothing beyond the ring is read.
+TEST(LinkMemory, CountsOfTicksAreNotBelieved) {
+  LinkMemory memory({.samples = kSamples, .ticks = 16});
+  LiveTicks servo(memory.ticks(), memory.tickRing(), 16), window(memory.ticks(), memory.tickRing(), 16);
+  std::vector<TickRecord> taken;
+  for (const std::uint64_t lie : {std::uint64_t{17}, ~std::uint64_t{0}, std::uint64_t{1} << 63U}) {
+    memory.ticks().added = lie;
+    window.take(taken);
+    EXPECT_LE(taken.size(), 16U) << lie;
+    taken.clear();
+  }
+  for (const std::uint64_t lie : {std::uint64_t{5}, ~std::uint64_t{0}}) {
+    memory.ticks().taken = lie;
+    for (std::int64_t tick = 0; tick < 100; ++tick) servo.add({.tick = tick});
+  }
+  EXPECT_EQ(window.latest().tick, 99);
 }
 
 TEST(LinkMemory, EachWindowBeginsAtAPage) {
   for (const std::size_t samples : {std::size_t{8}, std::size_t{257}, std::size_t{32768}}) {
-    LinkMemory memory(samples);
+    LinkMemory memory({.samples = samples});
     const auto places = memory.samples();
     EXPECT_GE(memory.windowBytes(), samples * sizeof(Sample));
     for (std::size_t slot = 0; slot < 3; ++slot) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/sculpt/pointer_path.hpp"
+#include "servo/devices/pointer_path.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -10,8 +11,17 @@ namespace pointer_path_test {
 
 constexpr double kTau_s = PointerPath::kTimeConstant_s;
 
+// A path, and the pointer's end.
+struct Led {
+  explicit Led(const Vec3& start_W) : path(start_W) { path.follow(aims); }
+  PointerAimBlock aims;
+  PointerAim pointer{aims};
+  PointerPath path;
+};
+
 TEST(PointerPath, RestsUntilItIsAimed) {
-  const PointerPath path(Vec3(1, 2, 3));
+  const Led led(Vec3(1, 2, 3));
+  const PointerPath& path = led.path;
   EXPECT_EQ(path.position(0), Vec3(1, 2, 3));
   EXPECT_EQ(path.position(5), Vec3(1, 2, 3));
   EXPECT_TRUE(std::isinf(path.duration_s()));
@@ -20,8 +30,9 @@ TEST(PointerPath, RestsUntilItIsAimed) {
 // From rest, a critically damped spring is at 1 - (1 + t / tau) exp(-t / tau) of its way, however it was stepped.
 TEST(PointerPath, FollowsAsACriticallyDampedSpringAtAnyRate) {
   for (const double rate_hz : {250.0, 1000.0, 20000.0}) {
-    PointerPath path(Vec3::Zero());
-    path.aim(Vec3(1e-3, 0, -2e-3));  // so near that the limit of speed is not met
+    Led led(Vec3::Zero());
+    const PointerPath& path = led.path;
+    led.pointer.aim(Vec3(1e-3, 0, -2e-3));  // so near that the limit of speed is not met
     for (int tick = 1; tick <= rate_hz * 0.2; ++tick) {
       const double t = tick / rate_hz;
       const double share = 1 - (1 + t / kTau_s) * std::exp(-t / kTau_s);
@@ -33,8 +44,9 @@ TEST(PointerPath, FollowsAsACriticallyDampedSpringAtAnyRate) {
 // A metre away: never faster than the limit, no overshoot to speak of, and it arrives. When the speed is cut, the
 // spring goes on with that speed, so it may pass the aim by some of v tau.
 TEST(PointerPath, IsNoFasterThanAHand) {
-  PointerPath path(Vec3::Zero());
-  path.aim(Vec3(0.5, 0, 0));
+  Led led(Vec3::Zero());
+  const PointerPath& path = led.path;
+  led.pointer.aim(Vec3(0.5, 0, 0));
   Vec3 last = Vec3::Zero();
   double farthest = 0;
   for (int tick = 1; tick <= 3000; ++tick) {
@@ -49,10 +61,11 @@ TEST(PointerPath, IsNoFasterThanAHand) {
 
 // Aims that jump about at sixty a second: from tick to tick the speed changes by no more than the spring can pull.
 TEST(PointerPath, HasNoStepInItsSpeed) {
-  PointerPath path(Vec3::Zero());
+  Led led(Vec3::Zero());
+  const PointerPath& path = led.path;
   Vec3 last = Vec3::Zero(), speed = Vec3::Zero();
   for (int tick = 1; tick <= 2000; ++tick) {
-    if (tick % 16 == 0) path.aim(Vec3(2e-3 * std::sin(tick), 2e-3 * std::cos(7.0 * tick), 0));
+    if (tick % 16 == 0) led.pointer.aim(Vec3(2e-3 * std::sin(tick), 2e-3 * std::cos(7.0 * tick), 0));
     const Vec3 now = path.position(tick * 1e-3);
     const Vec3 next_speed = (now - last) / 1e-3;
     // x'' = -(x - aim) / tau^2 - 2 x' / tau, with at most 4 mm to go and the speed that this allows.
@@ -65,12 +78,31 @@ TEST(PointerPath, HasNoStepInItsSpeed) {
 
 // The device asks for the start of a tick again, which is the end of the last one.
 TEST(PointerPath, StandsStillInTime) {
-  PointerPath path(Vec3::Zero());
-  path.aim(Vec3::UnitX() * 1e-3);
+  Led led(Vec3::Zero());
+  const PointerPath& path = led.path;
+  led.pointer.aim(Vec3::UnitX() * 1e-3);
   const Vec3 there = path.position(0.01);
-  path.aim(Vec3::UnitY());
+  led.pointer.aim(Vec3::UnitY());
   EXPECT_EQ(path.position(0.01), there);
   EXPECT_EQ(path.position(0.005), there);
+}
+
+// Another process may write anything: what is no place in the world is not followed, and the next place is.
+TEST(PointerPath, IsLedNowhereByWhatIsNoPlace) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1e300, 1e7}) {
+    Led led(Vec3(1, 2, 3));
+    led.pointer.aim(Vec3(1, 2, bad));
+    EXPECT_EQ(led.path.position(1), Vec3(1, 2, 3)) << bad;
+    led.pointer.aim(Vec3(1, 2, 3.001));
+    EXPECT_NEAR(led.path.position(2).z(), 3.001, 1e-9) << bad;
+  }
+}
+
+// Without a pointer's end it stays where it is.
+TEST(PointerPath, RestsWithoutAPointer) {
+  const PointerPath path(Vec3(1, 2, 3));
+  EXPECT_EQ(path.position(7), Vec3(1, 2, 3));
 }
 
 }  // namespace pointer_path_test

@@ -1,17 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/sculpt/pointer_path.hpp"
+#include "servo/devices/pointer_path.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace palpate {
+namespace {
+
+constexpr double kFarthest_m = 1e6;  // of an aim from the world's origin: nothing that is touched lies there
+
+}  // namespace
 
 // With x the way from the aim and w = 1 / time constant: x(t) = (x0 + (v0 + w x0) t) exp(-w t).
 Vec3 PointerPath::position(double time_s) const noexcept {
   const double dt_s = time_s - time_s_;
   if (!(dt_s > 0)) return position_W_;
   time_s_ = time_s;
-  const Vec3& aim_W = aim_.latest();
+  if (aims_ && aims_->renew()) {
+    const PointerAimRecord next = aims_->front();  // a copy: the other side may write on
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    const Vec3 next_W(next.hip_W[0], next.hip_W[1], next.hip_W[2]);
+    if (next_W.allFinite() && next_W.cwiseAbs().maxCoeff() <= kFarthest_m) aim_W_ = next_W;
+  }
+  const Vec3& aim_W = aim_W_;
   constexpr double kRate = 1 / kTimeConstant_s;  // [1/s]
   const Vec3 way_W = position_W_ - aim_W;
   const Vec3 slope_W = velocity_W_ + kRate * way_W;

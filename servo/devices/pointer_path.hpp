@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// servo/devices/pointer_path.hpp: leads the simulated device where a mouse points.
+//
+// A pointer jumps from one place to another some sixty times a second. A hand does not: it follows as a critically
+// damped spring, and at most at kFastest_m_per_s, so that the servo meets no step.
+//
+// Frame W: world [m]. Threads: aim() by one thread, position() by the device's, with times that do not decrease. No
+// lock, no heap. The solution between two aims is exact, whatever the rate of the servo. The two may be processes that
+// share the block of the aims; one that is no place in the world is not followed.
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include "servo/devices/path.hpp"
+#include "servo/window/triple_buffer.hpp"
+
+namespace palpate {
+
+// An aim as it lies in memory that two processes share.
+struct PointerAimRecord {
+  double hip_W[3] = {};  // [m]
+};
+static_assert(std::is_trivially_copyable_v<PointerAimRecord> && sizeof(PointerAimRecord) == 24);
+using PointerAimBlock = TripleBlock<PointerAimRecord>;
+
+// Where the pointer leads the tool: the writer's end.
+class PointerAim {
+ public:
+  // Over a block that neither side has used, and which outlives this.
+  explicit PointerAim(PointerAimBlock& shared) noexcept : aims_(shared) {}
+  void aim(const Vec3& p_W) noexcept {
+    aims_.back() = {{p_W.x(), p_W.y(), p_W.z()}};
+    aims_.publish();
+  }
+
+ private:
+  TripleBuffer<PointerAimRecord> aims_;
+};
+
+class PointerPath final : public Path {
+ public:
+  static constexpr double kTimeConstant_s = 0.02;  // of the spring: a jump is half made after 1.7 of them
+  static constexpr double kFastest_m_per_s = 0.5;
+
+  explicit PointerPath(const Vec3& start_W) : aim_W_(start_W), position_W_(start_W) {}
+
+  // Before the device runs: the aims come from there, where nobody has read any.
+  void follow(PointerAimBlock& aims) noexcept { aims_.emplace(aims); }
+
+  [[nodiscard]] Vec3 position(double time_s) const noexcept override;
+  [[nodiscard]] double duration_s() const noexcept override { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  // The device's state. Its functions are const because paths of other kinds have none.
+  mutable std::optional<TripleBuffer<PointerAimRecord>> aims_;
+  mutable Vec3 aim_W_;
+  mutable double time_s_ = 0;
+  mutable Vec3 position_W_;
+  mutable Vec3 velocity_W_ = Vec3::Zero();
+};
+
+}  // namespace palpate
