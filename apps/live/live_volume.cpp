@@ -45,7 +45,12 @@ Journal journalOf(const LiveVolumeRequest& request, const Volume& volume) {
 }  // namespace
 
 LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tell tell)
-    : name_(request.volume), work_(request.work), tell_(std::move(tell)), journal_(request.journal) {
+    : name_(request.volume),
+      work_(request.work),
+      gpu_(request.gpu),
+      gpu_memory_bytes_(request.gpu_memory_bytes),
+      tell_(std::move(tell)),
+      journal_(request.journal) {
   progress.stage("loading " + request.volume);
   volume_ = loadAndTell(request.volume, progress);
   if (const std::string& remark = volume_->facts().remark; !remark.empty()) tell_(remark);
@@ -69,6 +74,7 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
   volume_->keepIsovalue(first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
+  if (request.outlives_its_engine) session_->keepAbreast();
   if (journal) makeAgain(*journal, progress);
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
@@ -84,6 +90,17 @@ void LiveVolume::makeAgain(const Journal& journal, Progress& progress) {
     progress.fraction(static_cast<double>(i) / static_cast<double>(edits.size()));
     static_cast<void>(session_->edit(edits[i], 0));
   }
+}
+
+void LiveVolume::makeEngineAnew(const Plan& plan) {
+  if (engine_) {  // it ends first: there may be no room for two
+    const std::unique_ptr<Engine> last = std::move(engine_);
+    session_->leaveEngine();
+  }
+  auto next = std::make_unique<Engine>(*volume_, plan, first_isovalue_, gpu_, gpu_memory_bytes_);
+  session_->goOnWith(*next);
+  engine_ = std::move(next);
+  edits_->goOn();
 }
 
 LiveVolume::~LiveVolume() {
@@ -150,7 +167,7 @@ bool LiveVolume::isUnsaved() const {
 
 void LiveVolume::close(KeepJournal keep) {
   if (std::exchange(closed_, true) || !session_) return;
-  edits_->doWaiting(0);  // a file that was asked for last
+  if (engine_) edits_->doWaiting(0);  // a file that was asked for last
   session_->close();
   const bool unsaved = isUnsaved();
   const bool keeps = keep == KeepJournal::kIfUnsaved ? unsaved : keep == KeepJournal::kAlways;

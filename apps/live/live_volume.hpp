@@ -35,6 +35,7 @@ struct LiveVolumeRequest {
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
   std::string recovers_else = {};        // what to do if that cannot be; empty: what the journal's reader says
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
+  bool outlives_its_engine = false;      // makeEngineAnew() may be called: EditSession::keepAbreast()
   std::string work = {};                 // names the verb in messages: "palpate sculpt"
 };
 
@@ -52,6 +53,7 @@ class LiveVolume {
   [[nodiscard]] double firstIsovalue() const noexcept { return first_isovalue_; }
   // As loaded. Before edits are made only: afterwards it is the saver's.
   [[nodiscard]] const Volume& volume() const noexcept { return *volume_; }
+  [[nodiscard]] bool hasEngine() const noexcept { return engine_ != nullptr; }
   [[nodiscard]] Engine& engine() noexcept { return *engine_; }
   [[nodiscard]] const Engine& engine() const noexcept { return *engine_; }
   [[nodiscard]] EditSession& session() noexcept { return *session_; }
@@ -75,6 +77,12 @@ class LiveVolume {
   [[nodiscard]] std::size_t errands() const noexcept { return errands_.load(); }  // saves that are under way
   [[nodiscard]] bool isUnsaved() const;                                           // the newest file lacks an edit
 
+  // When no rig runs: another engine of the same volume, by this plan, in place of the present one, which may have
+  // failed. Edits, history, journal and files that are being written go on; its isovalue is the first one. Throws Error
+  // as Engine and EditSession::leaveEngine() do: then there is no engine, and nothing but this and close() may be
+  // called.
+  void makeEngineAnew(const Plan& plan);
+
   // When no rig runs any more: does the requests that wait, finishes what save() began, and ends the journal. Deletes
   // the journal if it is not to be kept. Throws Error(kIo) if neither a file nor the journal holds every edit.
   enum class KeepJournal { kIfUnsaved, kAlways, kNever };
@@ -84,7 +92,8 @@ class LiveVolume {
   class SavePromise;
   void makeAgain(const Journal& journal, Progress& progress);
 
-  const std::string name_, work_;
+  const std::string name_, work_, gpu_;
+  const std::uint64_t gpu_memory_bytes_;
   const Tell tell_;
   // Before all that may still have something to tell when it ends.
   std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds

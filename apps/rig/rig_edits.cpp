@@ -112,6 +112,11 @@ bool RigEdits::ask(Request request) {
   return true;
 }
 
+void RigEdits::goOn() {
+  const std::lock_guard lock(mutex_);
+  state_.editing = true;
+}
+
 RigEdits::Counts RigEdits::counts() const {
   const std::lock_guard lock(mutex_);
   return state_;

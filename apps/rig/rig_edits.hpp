@@ -77,6 +77,8 @@ class RigEdits {
   void look(const ToolPose& pose, std::int64_t now_ns);
   // After a run: does the requests that still wait.
   void doWaiting(std::int64_t now_ns);
+  // After a failed device, once the session has gone on with another engine: requests are taken again.
+  void goOn();
   // Tells the user what has failed in the background since the last call.
   void listen();
   // Tells the user `text`, like a failure.

@@ -13,6 +13,7 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/serve/client_desk.hpp"
+#include "apps/serve/flat_heap.hpp"
 #include "apps/serve/live_setting.hpp"
 #include "apps/serve/metrics_door.hpp"
 #include "apps/serve/served_volume.hpp"
@@ -108,6 +109,7 @@ class Watchdog {
 }  // namespace
 
 void serveScene(const ServeRequest& request, Progress& progress) {
+  keepHeapFlat();
   const ServiceNotify notify;
   const std::string socket = socketOf(request.scene);
   makeSocketFolder(socket);

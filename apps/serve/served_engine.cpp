@@ -75,7 +75,8 @@ void checkServable(const Scene& scene) {
 }
 
 ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& journal, Progress& progress,
-                           const Tell& tell) {
+                           const Tell& tell)
+    : filter_(scene.filter) {
   journal_.emplace(journal);
   const Plan plan = servedPlan(scene);
   live_.emplace(LiveVolumeRequest{.volume = scene.volume,
@@ -86,6 +87,7 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
                                   .journal = journal,
                                   .recovers = journal_->earlier(),
                                   .recovers_else = remedyFor(journal_->earlier()),
+                                  .outlives_its_engine = true,
                                   .work = "palpate serve"},
                 progress, tell);
   if (live_->journalFailure().empty()) journal_->takeOver();
@@ -93,10 +95,23 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
   size_ = volume.size();
   lattice_ = volume.lattice();
   Engine& engine = live_->engine();
-  scale_ = engine.filters() ? densityScaleOf(engine.filtered(volume.facts()), engine.isovalue())
-                            : densityScaleOf(volume, engine.isovalue());
   seen_ = objectExtent(engine.bounds(), BrickGrid{size_, lattice_.spacing_m}, lattice_,
                        static_cast<float>(engine.isovalue()), {}, engine.filters() ? nullptr : &volume);
+  noteFelt(plan);
+}
+
+void ServedEngine::makeAnew(const Scene& scene) {
+  const Plan plan = servedPlan(scene);
+  live_->makeEngineAnew(plan);
+  if (scene.filter != filter_) noteFelt(plan);  // else the same contact is felt on
+  filter_ = scene.filter;
+}
+
+void ServedEngine::noteFelt(const Plan& plan) {
+  Engine& engine = live_->engine();
+  const Volume& volume = live_->volume();
+  scale_ = engine.filters() ? densityScaleOf(engine.filtered(volume.facts()), engine.isovalue())
+                            : densityScaleOf(volume, engine.isovalue());
   can_change_isovalue_ = plan.request.other_isovalues;
   gradient_everywhere_ = engine.gradientEverywhere();
 }

@@ -2,8 +2,8 @@
 // apps/serve/served_engine.hpp: what a service makes of its scene: the volume on the engine, with its editing session
 // and journal.
 //
-// It can be made anew, one after another in one process: after the device was lost, or with other filters. The edits
-// come back from the journal. Threads: as LiveVolume; all but live() is fixed.
+// The engine can be made anew below it: after the device was lost, or with other filters. Threads: as LiveVolume; of
+// the rest, makeAnew() changes what depends on the filters, and nothing else changes.
 #pragma once
 
 #include <filesystem>
@@ -36,6 +36,10 @@ class ServedEngine {
   // the volume it says what to do with it.
   ServedEngine(const Scene& scene, const std::filesystem::path& journal, Progress& progress, const Tell& tell);
 
+  // Another engine, from the CPU's copy of the volume with every edit, for this scene's filters. Throws as
+  // LiveVolume::makeEngineAnew().
+  void makeAnew(const Scene& scene);
+
   [[nodiscard]] LiveVolume& live() noexcept { return *live_; }
   [[nodiscard]] const LiveVolume& live() const noexcept { return *live_; }
   [[nodiscard]] const Vec3i& size() const noexcept { return size_; }
@@ -46,8 +50,11 @@ class ServedEngine {
   [[nodiscard]] bool gradientEverywhere() const noexcept { return gradient_everywhere_; }
 
  private:
+  void noteFelt(const Plan& plan);
+
   std::optional<KeptJournal> journal_;  // held as long as the session writes to it
   std::optional<LiveVolume> live_;
+  std::string filter_;
   Vec3i size_;
   Lattice lattice_;
   SeenExtent seen_;

@@ -10,6 +10,7 @@
 
 #include "apps/convert/convert_job.hpp"
 #include "apps/render/fit_camera.hpp"
+#include "apps/serve/flat_heap.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/touch/scripted_path.hpp"
@@ -87,7 +88,7 @@ void ServedVolume::close() {
   if (engine_) {
     // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
     LiveVolume& live = engine_->live();
-    live.edits().doWaiting(0);
+    if (live.hasEngine()) live.edits().doWaiting(0);
     const bool has_edits = live.edits().counts().done > 0;
     live.close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
     settle();
@@ -163,18 +164,8 @@ void ServedVolume::makeAnew() {
     done = std::exchange(filter_done_, {});
   }
   if (!filter) noteLost();
-  LiveVolume& live = engine_->live();
-  const RigEdits::Counts counts = live.edits().counts();
-  if (!live.journalFailure().empty()) tell_("edits that the journal does not hold are lost: " + live.journalFailure());
-  try {
-    live.close(LiveVolume::KeepJournal::kAlways);
-  } catch (const Error& error) {
-    tell_(error.what());
-  }
   settle();
   pictures_.startAgain();
-  engine_.reset();
-  servo_.reset();
   Scene next = scene();
   std::optional<Error> refusal;
   if (filter) next.filter = *filter;
@@ -186,11 +177,11 @@ void ServedVolume::makeAnew() {
     next.filter = scene().filter;
     makeEngine(next);
   }
+  servo_.reset();  // to whose memory the engine before wrote
+  giveFreeHeapBack();
   {
     const std::lock_guard lock(mutex_);
     scene_.filter = next.filter;
-    status_.edits += counts.edits;
-    status_.refused += counts.refused;
     ++status_.engines;
   }
   if (done) done(refusal);
@@ -204,18 +195,14 @@ void ServedVolume::noteLost() {
   if (!lost_.mayGoOn(monotonicNow_ns()))
     throw Error(Error::Code::kDevice, "the engine", "its device has failed again and again",
                 "see the driver's messages, or choose another device with --gpu; the edits are in the journal");
-  tell_("the Vulkan device has failed; the engine is made anew from the volume and its journal");
+  tell_("the Vulkan device has failed; the engine is made anew from the volume with its edits");
 }
 
-// Begins with the isovalue of its journal, or the first one; that of the scene is taken then. The device may be lost
-// meanwhile, too.
+// Begins with the first isovalue; that of the scene is taken then. The device may be lost meanwhile, too.
 void ServedVolume::makeEngine(const Scene& scene) {
-  Scene first = scene;
-  first.isovalue = first_isovalue_;
-  while (!engine_) {
+  while (true) {
     try {
-      Progress silent(nullptr);
-      engine_ = std::make_unique<ServedEngine>(first, journal_, silent, tell_);
+      return engine_->makeAnew(scene);
     } catch (const Error& error) {
       if (error.code() != Error::Code::kDevice) throw;
       tell_(error.what());
@@ -290,15 +277,17 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   loop.record_ticks = 1;
   RigSettings first = rigSettings(scene(), engine.isovalue());
   first.parameters.isovalue = engine.isovalue();
+  std::atomic<bool> is_broken{false};  // the engine, which a picture can have met while nothing is edited
   TouchRig rig(engine, *servo_, loop, RigVolume{.scale = engine_->scale()}, first, &live.edits());
   rig.drawFor(pictures_.view());
-  rig.start([this, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
+  rig.start([&, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
     {
       const std::lock_guard lock(mutex_);
       notePose(status_, pose, first_version, now_ns);
     }
     static_cast<void>(lookAround());
     noteMemory(now_ns);
+    if (engine.broken()) is_broken.store(true, std::memory_order_relaxed);
   });
   struct Lent {
     ServedVolume& served;
@@ -311,7 +300,8 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   }
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live.name()));
   const auto goes_on = [&] {
-    if (stop_ || !rig.running() || !live.edits().counts().editing) return false;
+    if (stop_ || is_broken.load(std::memory_order_relaxed)) return false;
+    if (!rig.running() || !live.edits().counts().editing) return false;
     const std::lock_guard lock(mutex_);
     return !wanted_filter_;
   };
@@ -386,7 +376,8 @@ void ServedVolume::lookAlone() {
 bool ServedVolume::lookAround() {
   looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
   settle();
-  return pictures_.drawOn(engine_->live().engine().editVersion());
+  const Engine& engine = engine_->live().engine();
+  return !engine.broken() && pictures_.drawOn(engine.editVersion());  // else by the next engine
 }
 
 void ServedVolume::noteMemory(std::int64_t now_ns) {

@@ -6,10 +6,9 @@
 // clients ask for comes from other threads and is done by that one in order, whether a servo is there or not. An edit
 // is answered when it is on the disk, in the journal. When the servo goes, the engine goes on without; the next one is
 // taken as soon as it has made its device, which another thread waits for.
-//   If the Vulkan device is lost, or other filters are asked for, the engine is made anew from the volume's file and
-//   the
-// journal, as after a kill, but in this process: clients stay, what they ask for meanwhile waits, and the servo goes
-// over to the new engine's windows.
+//   If the Vulkan device is lost, or other filters are asked for, the engine is made anew from the CPU's copy of the
+// volume, which has every edit: clients, history and journal stay, what is asked for meanwhile waits, and the servo
+// goes over to the new engine's windows.
 // Threads: one makes, starts and closes it; all other functions by any. `tell` is called by several at once.
 #pragma once
 

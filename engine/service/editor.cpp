@@ -55,7 +55,7 @@ std::vector<Editor::Link> Editor::chainsOf(const Parts& parts) {
   return chains;
 }
 
-Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples)
+Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples, std::uint64_t version)
     : parts_(parts),
       chains_(chainsOf(parts)),
       profile_(profile),
@@ -76,7 +76,8 @@ Editor::Editor(const Parts& parts, const BrushProfile& profile, bool all_samples
       touched_values_(parts.gpu, "touched bricks", 1, std::numeric_limits<std::uint64_t>::max()),  // copied, not bound
       max_dispatches_(64),
       isovalues_{parts.isovalue, parts.isovalue},
-      is_changed_(parts.pool.brickCount()) {
+      is_changed_(parts.pool.brickCount()),
+      version_(version) {
   commands_.emplace(parts.gpu, "edit", max_dispatches_);
   makeSpareRoom();
   if (!all_samples) setIsovalues(isovalues_, parts.bounds->read(parts.transfer));

@@ -52,8 +52,9 @@ class Editor {
     // are taken from the field that is felt.
     FilterChain* smoothing = nullptr;
   };
-  // `all_samples`: every brick has samples, whatever its bounds. Reserves spare room for new bricks if memory allows.
-  Editor(const Parts& parts, const BrushProfile& profile, bool all_samples);
+  // `all_samples`: every brick has samples, whatever its bounds. `version`: of the volume as it is. Reserves spare room
+  // for new bricks if memory allows.
+  Editor(const Parts& parts, const BrushProfile& profile, bool all_samples, std::uint64_t version = 0);
   ~Editor();
 
   // Compiles the kernels of these kinds, so that the first edit of a kind takes no longer than the next. Cost: up to 50
@@ -160,7 +161,7 @@ class Editor {
   std::vector<bool> crossed_;     // by brick: an isosurface crosses its cells
   std::vector<bool> is_changed_;  // by brick: it is in changed_
   std::vector<std::uint32_t> changed_;
-  std::uint64_t version_ = 0;
+  std::uint64_t version_;
   bool broken_ = false;  // true from the first change of an edit to its end; stays true if the device fails
   // used between apply() and settle()
   std::vector<std::uint32_t> bounds_stale_, activity_unsure_, stored_;

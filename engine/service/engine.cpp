@@ -25,8 +25,8 @@ void Engine::forgetWindow() noexcept {
   parts_->forgetWindow();
 }
 
-void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
-  parts_->allowEdits(profile, kinds);
+void Engine::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds, std::uint64_t version) {
+  parts_->allowEdits(profile, kinds, version);
 }
 Engine::EditResult Engine::edit(std::span<const EditCommand> commands, std::int64_t now_ns,
                                 const BeforeChange& before) {

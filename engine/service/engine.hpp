@@ -53,8 +53,8 @@ class Engine {
   bool publishAround(const Vec3& focus_W, std::int64_t now_ns);
   // As publishAround(), around the point where this tool needs the window (window_focus.hpp).
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
-  // Says that the last window still holds, wherever the tool is; nothing where there is none, or where edits have broken
-  // the volume.
+  // Says that the last window still holds, wherever the tool is; nothing where there is none, or where edits have
+  // broken the volume.
   void confirmWindow(std::int64_t now_ns) noexcept;
   // The next of these calls gathers a window wherever the tool is, and computes what gradients it needs, as that of a
   // new engine does. Between two runs.
@@ -63,8 +63,8 @@ class Engine {
   // Prepares for edits. Call it once, before the first edit. Kernels of these `kinds` are compiled now, so that not
   // even the first edit waits for the driver's compiler. Throws Error(kBadInput) if the gradients come from a smoothed
   // field and Plan::edits is false, since that field is gone then. Cost: kernels, and reading back the bounds of every
-  // brick.
-  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {});
+  // brick. `version`: editVersion() until the first edit, for the volume of an engine before this one.
+  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds = {}, std::uint64_t version = 0);
   struct EditResult {
     std::uint64_t version = 0;  // of the volume; counts edits
     bool published = false;     // a window with the edit was published; false: the edit does not reach it

@@ -271,7 +271,7 @@ void EngineParts::publishBox(const WindowBox& box, std::int64_t now_ns) {
   published_ = box;
 }
 
-void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds) {
+void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds, std::uint64_t version) {
   if (!gradient_) {
     throw Error(Error::Code::kBadInput, "edits", "the smoothed field, whose gradients are taken, was not kept",
                 "this is a fault of Palpate, whose plan said nothing of edits: please report it");
@@ -289,7 +289,7 @@ void EngineParts::allowEdits(const BrushProfile& profile, std::span<const EditKi
   if (wanted_isovalue_) endIsovalue(isovalue_);
   if (drawing_) drawing_->wait();  // the editor makes room in buffers that it reads
   stage("edit set-up", [&] {
-    editor_ = std::make_unique<Editor>(parts, profile, gradient_all_);
+    editor_ = std::make_unique<Editor>(parts, profile, gradient_all_, version);
     editor_->prepare(kinds);
   });
 }

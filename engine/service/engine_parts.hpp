@@ -40,7 +40,7 @@ class EngineParts {
   bool publishFor(const ToolPose& tool, std::int64_t now_ns);
   void confirmWindow(std::int64_t now_ns) noexcept;
   void forgetWindow() noexcept;
-  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds);
+  void allowEdits(const BrushProfile& profile, std::span<const EditKind> kinds, std::uint64_t version);
   Engine::EditResult edit(std::span<const EditCommand> commands, std::int64_t now_ns, const BeforeChange& before);
   Engine::EditResult replace(std::span<const BrickContent> bricks, std::int64_t now_ns);
   std::size_t readBack(Volume& volume);

@@ -2,6 +2,7 @@
 #include "engine/session/background_saver.hpp"
 
 #include <exception>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -51,12 +52,21 @@ void BackgroundSaver::send(std::unique_ptr<Batch> batch) {
   batch_.notify_all();
 }
 
-void BackgroundSaver::give(std::vector<BrickContent> bricks, std::optional<std::uint64_t> save_version) {
-  send(std::make_unique<Batch>(Batch{std::move(bricks), save_version}));
+void BackgroundSaver::give(std::vector<BrickContent> bricks, Completes completes) {
+  send(std::make_unique<Batch>(Batch{std::move(bricks), completes}));
+}
+
+void BackgroundSaver::give(std::vector<BrickContent> bricks, std::uint64_t save_version) {
+  send(std::make_unique<Batch>(Batch{std::move(bricks), Completes::kVersion, save_version}));
 }
 
 void BackgroundSaver::give(std::vector<BrickContent> bricks, std::uint64_t version, Errand errand) {
-  send(std::make_unique<Batch>(Batch{std::move(bricks), version, std::move(errand)}));
+  send(std::make_unique<Batch>(Batch{std::move(bricks), Completes::kVersion, version, std::move(errand)}));
+}
+
+Volume* BackgroundSaver::lend() noexcept {
+  waiting_.clear();
+  return broken_ ? nullptr : &volume_;
 }
 
 // The thread reads broken_ when the next batch arrives, so after this write.
@@ -94,7 +104,7 @@ void BackgroundSaver::work() {
 }
 
 // A copy with half a batch is the volume at no version. So it is never written.
-void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
+void BackgroundSaver::takeAndSave(Batch& batch) noexcept {
   broken_ = true;
   try {
     const std::string failure = failureOf([&] { takeIn(batch); });
@@ -117,10 +127,17 @@ void BackgroundSaver::takeAndSave(const Batch& batch) noexcept {
   }
 }
 
-void BackgroundSaver::takeIn(const Batch& batch) {
-  for (const BrickContent& content : batch.bricks) {
-    putBrick(volume_, grid_.brick(content.brick), content.values);
+void BackgroundSaver::takeIn(Batch& batch) {
+  if (keeps_whole_ && batch.completes == Completes::kNothing) {
+    waiting_.insert(waiting_.end(), std::make_move_iterator(batch.bricks.begin()),
+                    std::make_move_iterator(batch.bricks.end()));
+    return;
   }
+  const auto put = [this](const std::vector<BrickContent>& bricks) {
+    for (const BrickContent& content : bricks) putBrick(volume_, grid_.brick(content.brick), content.values);
+  };
+  put(std::exchange(waiting_, {}));
+  put(batch.bricks);
 }
 
 void BackgroundSaver::save(std::uint64_t version) {

@@ -10,6 +10,9 @@
 // bricks wait in the editor's list. So nothing queues up and the engine's thread never waits. Cost of a batch on that
 // thread: a store and a wake-up, no lock.
 //
+// Between two batches that complete a version the volume is at no version. Whoever may have to go on from the copy
+// alone keeps it whole: then a batch waits, beside the volume, for the one that completes it.
+//
 // If a save fails, the old file stays as it was, and saving goes on. takeFailures() reports the failure. If memory for
 // a batch runs out, the saver's volume is incomplete. That is reported once, and nothing is saved any more.
 #pragma once
@@ -55,10 +58,21 @@ class BackgroundSaver {
 
   // Engine's thread. Whether the last batch has been taken in and its save, if it had one, is done.
   [[nodiscard]] bool ready() const noexcept { return batch_.load(std::memory_order_acquire) == nullptr; }
-  // Engine's thread, only when ready(). `save_version`: the batch completes this edit version, which is then saved.
-  void give(std::vector<BrickContent> bricks, std::optional<std::uint64_t> save_version);
+  // Before the first batch: the volume goes from one whole version to another, and is at none in between. Memory: what
+  // one version changes.
+  void keepWhole() noexcept { keeps_whole_ = true; }
+
+  // Engine's thread, only when ready().
+  enum class Completes { kNothing, kVersion };
+  void give(std::vector<BrickContent> bricks, Completes completes);
+  // The batch completes this edit version, which is then saved.
+  void give(std::vector<BrickContent> bricks, std::uint64_t save_version);
   // The same, and instead of the save this errand is done with that version.
   void give(std::vector<BrickContent> bricks, std::uint64_t version, Errand errand);
+
+  // Engine's thread, only when ready(), of a volume that is kept whole: what no batch will complete is dropped. Until
+  // the next batch the volume is the caller's. Null: it is incomplete.
+  [[nodiscard]] Volume* lend() noexcept;
 
   // Engine's thread, only when ready(). For changed bricks that could not be handed over: reports `why` and saves
   // nothing more.
@@ -81,14 +95,15 @@ class BackgroundSaver {
  private:
   struct Batch {
     std::vector<BrickContent> bricks;
-    std::optional<std::uint64_t> save_version;
+    Completes completes = Completes::kNothing;
+    std::optional<std::uint64_t> save_version{};
     Errand errand{};  // empty: the usual save
     bool last = false;
   };
   void send(std::unique_ptr<Batch> batch);
   void work();
-  void takeAndSave(const Batch& batch) noexcept;
-  void takeIn(const Batch& batch);
+  void takeAndSave(Batch& batch) noexcept;
+  void takeIn(Batch& batch);
   void save(std::uint64_t version);
   void doErrand(const Errand& errand, std::uint64_t version);
   void report(std::string text, std::string failure);
@@ -97,6 +112,8 @@ class BackgroundSaver {
   Volume& volume_;
   Write write_;
   BrickGrid grid_;
+  bool keeps_whole_ = false;
+  std::vector<BrickContent> waiting_;    // for the batch that completes a version; as broken_
   std::atomic<Batch*> batch_ = nullptr;  // owned; null: the saver is idle
   bool broken_ = false;                  // the volume is incomplete; the engine's thread uses this only when ready()
   mutable std::mutex mutex_;             // guards figures_, unreported_ and failure_without_text_

@@ -49,15 +49,15 @@ std::size_t EditHistory::bytesOf(const Step& step) {
 EditHistory::Contents EditHistory::contentOf(std::span<const std::uint32_t> bricks) const {
   Contents contents;
   contents.reserve(bricks.size());
-  for (const std::uint32_t brick : bricks) contents.push_back(engine_.content(brick));
+  for (const std::uint32_t brick : bricks) contents.push_back(engine_->content(brick));
   return contents;
 }
 
 Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step) {
-  // If engine_.edit() throws an Error nothing has changed, and nothing changes here. Once the volume has changed
+  // If engine_->edit() throws an Error nothing has changed, and nothing changes here. Once the volume has changed
   // nothing throws, since the caller must know of the change.
   if (budget_bytes_ == 0) {  // no copies would be kept, so none are taken
-    Engine::EditResult result = engine_.edit(commands, now_ns);
+    Engine::EditResult result = engine_->edit(commands, now_ns);
     ++forgotten_;
     return result;
   }
@@ -80,7 +80,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
   const auto keepIt = [&] { joins ? join(std::move(added)) : keepLast(); };
   Engine::EditResult result;
   try {
-    result = engine_.edit(commands, now_ns, keep);
+    result = engine_->edit(commands, now_ns, keep);
   } catch (const Error&) {
     if (is_kept && !joins) steps_.pop_back();
     throw;
@@ -99,7 +99,7 @@ Engine::EditResult EditHistory::edit(std::span<const EditCommand> commands, std:
 
 std::size_t EditHistory::bytesToKeep(std::span<const std::uint32_t> bricks) const {
   std::size_t bytes = kStepBytes;
-  for (const std::uint32_t brick : bricks) bytes += bytesOfBrick(engine_.isStored(brick) ? kBrickVoxels : 1);
+  for (const std::uint32_t brick : bricks) bytes += bytesOfBrick(engine_->isStored(brick) ? kBrickVoxels : 1);
   return bytes;
 }
 
@@ -156,23 +156,32 @@ Engine::EditResult EditHistory::exchange(Step& step, std::int64_t now_ns) {
   for (const BrickContent& content : step.bricks) bricks.push_back(content.brick);
   Contents replaced = contentOf(bricks);
   Engine::EditResult result;
-  result.version = engine_.editVersion();
+  result.version = engine_->editVersion();
   const auto part = [](const Contents& of, std::size_t first) {
     return std::span(of).subspan(first, std::min(kMostAtOnce, of.size() - first));
   };
   std::size_t first = 0;
   try {
-    for (; first < step.bricks.size(); first += kMostAtOnce) result = engine_.replace(part(step.bricks, first), now_ns);
+    for (; first < step.bricks.size(); first += kMostAtOnce)
+      result = engine_->replace(part(step.bricks, first), now_ns);
   } catch (...) {
-    if (engine_.broken()) throw;
+    if (engine_->broken()) throw;
     // Goes back through states that existed before, so none of them needs room that is not there.
-    while (first > 0) engine_.replace(part(replaced, first -= kMostAtOnce), now_ns);
+    while (first > 0) engine_->replace(part(replaced, first -= kMostAtOnce), now_ns);
     throw;
   }
   bytes_ += bytesOfBricks(replaced);
   bytes_ -= bytesOfBricks(step.bricks);
   step.bricks = std::move(replaced);
   return result;
+}
+
+std::span<const BrickContent> EditHistory::bricksToUndo() const noexcept {
+  return canUndo() ? std::span<const BrickContent>(steps_[done_ - 1].bricks) : std::span<const BrickContent>();
+}
+
+std::span<const BrickContent> EditHistory::bricksToRedo() const noexcept {
+  return canRedo() ? std::span<const BrickContent>(steps_[done_].bricks) : std::span<const BrickContent>();
 }
 
 Engine::EditResult EditHistory::undo(std::int64_t now_ns) {

@@ -33,7 +33,7 @@ class EditHistory {
  public:
   // Engine::allowEdits() must have been called on `engine`, which must outlive this. `budget_bytes`: limit for all
   // copies; 0: no undo.
-  EditHistory(Engine& engine, std::size_t budget_bytes) : engine_(engine), budget_bytes_(budget_bytes) {}
+  EditHistory(Engine& engine, std::size_t budget_bytes) : engine_(&engine), budget_bytes_(budget_bytes) {}
 
   // As Engine::edit(), and copies what the changed bricks held. Edits that were undone can no longer be redone. kLast
   // begins a step of its own where there is none to join, or where the last one was undone.
@@ -46,6 +46,11 @@ class EditHistory {
   // large undo is made in parts, and the parts done so far are reverted.
   Engine::EditResult undo(std::int64_t now_ns);
   Engine::EditResult redo(std::int64_t now_ns);
+  // What they would put in place; empty: nothing.
+  [[nodiscard]] std::span<const BrickContent> bricksToUndo() const noexcept;
+  [[nodiscard]] std::span<const BrickContent> bricksToRedo() const noexcept;
+  // From now on the edits are those of this engine, whose volume is the former one's.
+  void goOnWith(Engine& engine) noexcept { engine_ = &engine; }
   // How many edits they would undo or redo; 0: none.
   [[nodiscard]] std::size_t editsToUndo() const noexcept { return canUndo() ? steps_[done_ - 1].label.edits : 0; }
   [[nodiscard]] std::size_t editsToRedo() const noexcept { return canRedo() ? steps_[done_].label.edits : 0; }
@@ -72,7 +77,7 @@ class EditHistory {
   void forgetAll() noexcept;
   void forgetBeyondBudget() noexcept;
 
-  Engine& engine_;
+  Engine* engine_;
   std::size_t budget_bytes_;
   std::deque<Step> steps_;
   std::size_t done_ = 0;  // the first done_ steps are in effect; the others were undone

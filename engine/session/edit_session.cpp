@@ -11,16 +11,27 @@
 #include "base/units.hpp"
 
 namespace palpate {
+namespace {
+
+constexpr std::int64_t kCopyPeriod_ns = 100'000'000;  // between two completions of the copy on the CPU
+constexpr std::size_t kMostMissing = 64;              // changes that are worth one earlier
+
+Error lacksEdits() {
+  return {Error::Code::kOutOfMemory, "the engine", "the copy of the volume on the CPU lacks edits, as memory ran out",
+          "start again; the journal, if one is kept, has them"};
+}
+
+}  // namespace
 
 EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds,
                          std::size_t history_bytes)
-    : engine_(engine), history_(engine, history_bytes) {
+    : engine_(&engine), profile_(profile), history_(engine, history_bytes) {
   engine.allowEdits(profile, kinds);
 }
 
 void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume,
                               JournalOptions options) {
-  journal_.emplace(folder, JournalHeader{volume, engine_.profile()}, std::move(options));
+  journal_.emplace(folder, JournalHeader{volume, profile_}, std::move(options));
 }
 
 // The time to the hand ends when the window is out. Settling comes after it, brick by brick, and is subtracted. Once
@@ -32,7 +43,7 @@ Engine::EditResult EditSession::timed(const Change& change) {
   const Stopwatch watch;
   Engine::EditResult result = change();
   ++figures_.edits;
-  if (result.changed_bricks > 0) content_version_ = engine_.editVersion();
+  if (result.changed_bricks > 0) content_version_ = engine_->editVersion();
   if (!result.published) return result;
   double seconds = watch.seconds();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
@@ -41,13 +52,16 @@ Engine::EditResult EditSession::timed(const Change& change) {
   return result;
 }
 
-template <typename Change>
-Engine::EditResult EditSession::journalled(const Change& change, const std::function<void(JournalWriter&)>& append) {
+template <typename Note, typename Change>
+Engine::EditResult EditSession::journalled(const Note& note, const Change& change,
+                                           const std::function<void(JournalWriter&)>& append) {
+  if (keeps_abreast_) note();  // before the change, after which nothing may throw
   try {
     Engine::EditResult result = timed(change);
     if (journal_) append(*journal_);
     return result;
   } catch (const Error&) {  // nothing has changed, or the engine is broken and changes nothing more
+    if (keeps_abreast_) missing_.dropLast();
     throw;
   } catch (...) {
     if (journal_) journal_->end("memory failed in the middle of an edit", ENOMEM);
@@ -56,14 +70,14 @@ Engine::EditResult EditSession::journalled(const Change& change, const std::func
 }
 
 Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step) {
-  return journalled([&] { return history_.edit(commands, now_ns, step); },
+  return journalled([&] { missing_.noteEdit(commands); }, [&] { return history_.edit(commands, now_ns, step); },
                     [&](JournalWriter& journal) { journal.edit(commands); });
 }
 
 // A journal knows single edits, so it gets a record for each that the step holds.
 Engine::EditResult EditSession::undo(std::int64_t now_ns) {
   const std::size_t edits = history_.editsToUndo();
-  return journalled([&] { return history_.undo(now_ns); },
+  return journalled([&] { missing_.noteReplace(history_.bricksToUndo()); }, [&] { return history_.undo(now_ns); },
                     [&](JournalWriter& journal) {
                       for (std::size_t i = 0; i < edits; ++i) journal.undo();
                     });
@@ -71,7 +85,7 @@ Engine::EditResult EditSession::undo(std::int64_t now_ns) {
 
 Engine::EditResult EditSession::redo(std::int64_t now_ns) {
   const std::size_t edits = history_.editsToRedo();
-  return journalled([&] { return history_.redo(now_ns); },
+  return journalled([&] { missing_.noteReplace(history_.bricksToRedo()); }, [&] { return history_.redo(now_ns); },
                     [&](JournalWriter& journal) {
                       for (std::size_t i = 0; i < edits; ++i) journal.redo();
                     });
@@ -93,44 +107,89 @@ bool EditSession::isSaved() const {
   return saved && *saved >= content_version_;
 }
 
+void EditSession::keepAbreast() {
+  keeps_abreast_ = true;
+  saver_->keepWhole();
+}
+
+bool EditSession::isCopyDue(std::int64_t now_ns) const {
+  return keeps_abreast_ && missing_.size() > 0 && (now_ns >= next_copy_ns_ || missing_.size() >= kMostMissing);
+}
+
 void EditSession::feedSaver(std::int64_t now_ns) {
-  if (!saver_ || !saver_usable_ || (save_period_ns_ == 0 && errands_.empty()) || !saver_->ready()) return;
+  if (!saver_ || !saver_usable_ || !saver_->ready()) return;
+  const bool copy_due = isCopyDue(now_ns);
+  if (save_period_ns_ == 0 && errands_.empty() && !copy_due) return;
   if (next_save_ns_ == kNotSet) next_save_ns_ = now_ns + save_period_ns_;
-  const std::size_t changed = engine_.changedBricks();
+  const std::size_t changed = engine_->changedBricks();
   if (std::exchange(save_begun_, false)) bricks_left_ = changed;
   // Unless there are many, bricks are handed over only once a save is due. So a brick that changes again and again is
   // copied once for each save.
-  const bool save_due = save_period_ns_ > 0 && isSaveDue(now_ns), due = save_due || !errands_.empty();
+  const bool save_due = save_period_ns_ > 0 && isSaveDue(now_ns), due = save_due || !errands_.empty() || copy_due;
   if (!due && changed < kBricksAtOnce) return;
   // If edits change more bricks between two calls than a call hands over, a due save would never begin. So a due save
   // takes as many more as changed since the last call. Then each call shortens the list by kBricksAtOnce, and the save
   // begins.
   const Then then = !errands_.empty() ? Then::kErrand : save_due ? Then::kSave : Then::kNothing;
   handOver(kBricksAtOnce + (due && changed > bricks_left_ ? changed - bricks_left_ : 0), then);
-  bricks_left_ = engine_.changedBricks();
+  bricks_left_ = engine_->changedBricks();
   if (!due || bricks_left_ > 0) return;
   if (then == Then::kSave) next_save_ns_ = now_ns + save_period_ns_;
-  save_begun_ = true;
+  next_copy_ns_ = now_ns + kCopyPeriod_ns;
+  save_begun_ = then != Then::kNothing;
 }
 
 // If bricks were taken from the editor and did not arrive, they would be missing in every later file. Then no file is
 // written any more.
 void EditSession::handOver(std::size_t most, Then then) {
   try {
-    std::vector<BrickContent> bricks = engine_.takeChanged(most);
-    const bool complete = engine_.changedBricks() == 0;
+    std::vector<BrickContent> bricks;
+    if (engine_ != nullptr) bricks = engine_->takeChanged(most);
+    const std::uint64_t version = engine_ != nullptr ? engine_->editVersion() : left_version_;
+    const bool complete = changedBricks() == 0;
     if (complete && then == Then::kErrand) {
-      saver_->give(std::move(bricks), engine_.editVersion(), std::move(errands_.front()));
+      saver_->give(std::move(bricks), version, std::move(errands_.front()));
       errands_.pop_front();
+    } else if (complete && then == Then::kSave) {
+      saver_->give(std::move(bricks), version);
     } else {
-      const bool save = complete && then == Then::kSave;
-      saver_->give(std::move(bricks), save ? std::optional(engine_.editVersion()) : std::nullopt);
+      saver_->give(std::move(bricks),
+                   complete ? BackgroundSaver::Completes::kVersion : BackgroundSaver::Completes::kNothing);
     }
+    if (complete) missing_.clear();
   } catch (const std::exception& error) {
+    if (keeps_abreast_ && engine_ != nullptr && engine_->broken()) return;  // the copy is completed without it
     saver_usable_ = false;
     errands_.clear();  // whoever asked is told by their end
     saver_->abandon(error.what());
   }
+}
+
+std::size_t EditSession::changedBricks() const noexcept {
+  return engine_ != nullptr ? engine_->changedBricks() : 0;
+}
+
+void EditSession::leaveEngine() {
+  saver_->wait();
+  while (saver_usable_ && !engine_->broken() && engine_->changedBricks() > 0) {
+    handOver(kBricksAtOnce, Then::kNothing);
+    saver_->wait();
+  }
+  left_version_ = engine_->editVersion();
+  engine_ = nullptr;
+  Volume* const volume = saver_usable_ ? saver_->lend() : nullptr;
+  lacks_edits_ = volume == nullptr;
+  if (lacks_edits_) throw lacksEdits();
+  missing_.makeIn(*volume, profile_);
+  missing_.clear();
+}
+
+void EditSession::goOnWith(Engine& engine) {
+  if (lacks_edits_) throw lacksEdits();
+  engine.allowEdits(profile_, {}, left_version_);
+  history_.goOnWith(engine);
+  engine_ = &engine;
+  bricks_left_ = 0;
 }
 
 void EditSession::close() {
@@ -138,12 +197,18 @@ void EditSession::close() {
   if (!saver_ || closed_) return;
   closed_ = true;
   saver_->wait();
+  if (keeps_abreast_ && engine_ != nullptr && engine_->broken()) {
+    try {
+      leaveEngine();
+    } catch (const Error&) {  // its errands are told by their end
+    }
+  }
   const bool save = saves_ && !isSaved();
-  for (bool more = true; more && saver_usable_;) {
+  for (bool more = true; more && saver_usable_ && !lacks_edits_;) {
     const bool errand = !errands_.empty();
     handOver(kBricksAtOnce, errand ? Then::kErrand : save ? Then::kSave : Then::kNothing);
     saver_->wait();
-    more = engine_.changedBricks() > 0 || errand;
+    more = changedBricks() > 0 || errand;
   }
   saver_->close();
   errands_.clear();
@@ -163,7 +228,7 @@ EditFigures EditSession::figures() const {
   EditFigures figures = figures_;
   if (saver_) figures.saves = saver_->figures();
   // Edits after the saved version changed nothing, so the file holds the newest version.
-  if (saver_ && isSaved()) figures.saves.version = engine_.editVersion();
+  if (saver_ && isSaved()) figures.saves.version = engine_->editVersion();
   if (!journal_) return figures;
   figures.journalled = journal_->appended();
   figures.acknowledged = journal_->acknowledged();

@@ -20,6 +20,7 @@
 #include "engine/journal/journal_writer.hpp"
 #include "engine/session/background_saver.hpp"
 #include "engine/session/edit_history.hpp"
+#include "engine/session/missing_changes.hpp"
 
 namespace palpate {
 
@@ -48,6 +49,17 @@ class EditSession {
   // if something changed (0: never), and in close(). Without a `write` it is never saved; the errands of ask() are
   // done. Until close() the volume belongs to the session; nobody else may touch it.
   void keepSaved(Volume& volume, BackgroundSaver::Write write, double every_s);
+  // From now on the session can go on with another engine (leaveEngine()). After keepSaved(), before the first edit.
+  // Cost: a copy of every brick that edits change, some ten times a second, and what MissingChanges keeps in between.
+  void keepAbreast();
+  // The engine may go, also if it has failed: then the volume of keepSaved() has every edit that was made. Waits for a
+  // file that is being written. Until goOnWith() nothing else is called but close(). Throws Error(kOutOfMemory) if the
+  // copy on the CPU lacks edits; then nothing but close() may be called any more.
+  void leaveEngine();
+  // An engine of that volume, which must outlive this. Calls allowEdits(). History, journal and saves go on. Throws as
+  // allowEdits() does, and as leaveEngine() did.
+  void goOnWith(Engine& engine);
+
   // Call it often. Hands changed bricks to the saver, and begins a save once one is due and the last is done. Never
   // waits for the saver. Cost: a copy of at most 256 bricks, some 1.2 us each. If a due save still lacks bricks, a call
   // also copies as many as edits have changed since the last call. That takes a tenth of the time of those edits.
@@ -82,15 +94,19 @@ class EditSession {
 
  private:
   [[nodiscard]] bool isSaveDue(std::int64_t now_ns) const;
+  [[nodiscard]] bool isCopyDue(std::int64_t now_ns) const;
   [[nodiscard]] bool isSaved() const;
-  enum class Then { kNothing, kSave, kErrand };  // once no changed brick is left
+  [[nodiscard]] std::size_t changedBricks() const noexcept;  // that the copy lacks
+  enum class Then { kNothing, kSave, kErrand };              // once no changed brick is left
   void handOver(std::size_t most, Then then);
   template <typename Change>
   Engine::EditResult timed(const Change& change);
-  template <typename Change>
-  Engine::EditResult journalled(const Change& change, const std::function<void(JournalWriter&)>& append);
+  template <typename Note, typename Change>
+  Engine::EditResult journalled(const Note& note, const Change& change,
+                                const std::function<void(JournalWriter&)>& append);
 
-  Engine& engine_;
+  Engine* engine_;  // null: it has been left
+  BrushProfile profile_;
   EditHistory history_;
   std::optional<JournalWriter> journal_;
   std::optional<BackgroundSaver> saver_;
@@ -100,6 +116,10 @@ class EditSession {
   // Changed bricks that the last feedSaver() left, or those that changed while a file was written.
   std::size_t bricks_left_ = 0;
   bool save_begun_ = false;  // by the last feedSaver()
+  bool keeps_abreast_ = false, lacks_edits_ = false;
+  MissingChanges missing_;          // if it keeps abreast
+  std::int64_t next_copy_ns_ = 0;   // when the copy is to be completed next
+  std::uint64_t left_version_ = 0;  // of the engine that was left
   std::deque<BackgroundSaver::Errand> errands_;
   static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
   std::uint64_t content_version_ = 0;    // edit version of the last edit that may have changed something

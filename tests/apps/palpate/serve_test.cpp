@@ -12,6 +12,7 @@
 #include "base/atomic_file.hpp"
 #include "base/descriptor.hpp"
 #include "engine/files/volume_file.hpp"
+#include "engine/journal/volume_identity.hpp"
 #include "service_processes.hpp"
 #include "tests/support/unix_stream.hpp"
 
@@ -369,9 +370,20 @@ TEST_F(Serve, ALostDeviceIsMadeAnew) {
   EXPECT_FALSE(engine.hasEnded());
   EXPECT_GE(answered, 9U);
   EXPECT_EQ(status()["undoable"], answered);
+  // What was undone before the device was lost can be redone after.
+  expectSuccess(ctl({"save", "all.vdb"}));
+  for (int i = 0; i < 3; ++i) expectSuccess(ctl({"undo"}));
+  loses.next();
+  expectSuccess(ctl({"render", "between.png", "--width", "64", "--height", "48"}));  // by the next engine
+  ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["engines"] == 5 && now["force_N"] > 0.3; }))
+      << contentsOf(file("serve.log"));
+  EXPECT_EQ(status()["redoable"], 3);
+  for (int i = 0; i < 3; ++i) expectSuccess(ctl({"redo"}));
+  expectSuccess(ctl({"save", "again.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("again.vdb").string())), contentHash(loadVolume(file("all.vdb").string())));
   EXPECT_GT(status()["tick"], tick);  // the very same loop
   expectSuccess(ctl({"render", "after.png", "--width", "64", "--height", "48"}));
-  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the engine is made anew from the volume and its journal"));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the engine is made anew from the volume with its edits"));
 }
 
 // With nobody there the next edit meets the failure; it is not lost either, as it was not answered.
@@ -392,6 +404,22 @@ TEST_F(Serve, ADeviceThatIsLostForGoodEndsTheService) {
   serve({kSphere});
   ASSERT_TRUE(awaitService());
   EXPECT_GE(status()["undoable"], 1);  // the journal has what was answered
+}
+
+// Nothing is left of the object: engines are made of that, too, and undo brings it back.
+TEST_F(Serve, AnEngineIsMadeOfNothing) {
+  const LosesDevices loses(folder());
+  serve({kSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "remove:radius=40mm:at=0,0,0"}));
+  loses.next();
+  expectSuccess(ctl({"render", "nothing.png", "--width", "64", "--height", "48"}));
+  expectSuccess(ctl({"filter", "gaussian:1"}));
+  EXPECT_EQ(status()["engines"], 3);
+  expectSuccess(ctl({"filter", ""}));
+  expectSuccess(ctl({"undo"}));
+  expectSuccess(ctl({"save", "again.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("again.vdb").string())), contentHash(loadVolume(kSphere)));
 }
 
 // Filters are changed while the object is touched: the servo goes over to the filtered field, and the edits stay.

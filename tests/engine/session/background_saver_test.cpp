@@ -76,7 +76,7 @@ TEST(BackgroundSaver, WritesWhatItWasGivenUnderItsVersion) {
     saver.give(bricksOf(volume, static_cast<float>(version)), version);
     saver.wait();
   }
-  saver.give(bricksOf(volume, 11), std::nullopt);  // taken in, not saved
+  saver.give(bricksOf(volume, 11), BackgroundSaver::Completes::kVersion);  // taken in, not saved
   saver.close();
   EXPECT_THAT(written, testing::ElementsAre(std::pair(3, true), std::pair(4, true), std::pair(9, true)));
   EXPECT_TRUE(allAre(volume, 11));
@@ -231,7 +231,9 @@ TEST(BackgroundSaver, NoSaveMixesVersions) {
       continue;
     }
     ++given;
-    saver.give(bricksOf(volume, static_cast<float>(version)), given % 3 == 0 ? std::optional(version) : std::nullopt);
+    std::vector<BrickContent> bricks = bricksOf(volume, static_cast<float>(version));
+    given % 3 == 0 ? saver.give(std::move(bricks), version)
+                   : saver.give(std::move(bricks), BackgroundSaver::Completes::kVersion);
   }
   saver.close();
   EXPECT_EQ(mixed, 0U);
