@@ -11,10 +11,6 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t wholePages(std::size_t bytes) {
-  return (bytes + LinkMemory::kPage - 1) / LinkMemory::kPage * LinkMemory::kPage;
-}
-
 void checkRoom(const LinkMemory::Room& room) {
   if (room.samples < 8 || room.samples > LinkMemory::kMostWindowSamples) {
     throw Error(
@@ -31,8 +27,8 @@ void checkRoom(const LinkMemory::Room& room) {
 
 std::size_t bytesFor(const LinkMemory::Room& room) {
   checkRoom(room);
-  return wholePages(sizeof(LinkBlock)) + 3 * wholePages(room.samples * sizeof(Sample)) +
-         wholePages(room.ticks * sizeof(TickRecord));
+  return SealedMemory::wholePages(sizeof(LinkBlock)) + 3 * SealedMemory::wholePages(room.samples * sizeof(Sample)) +
+         SealedMemory::wholePages(room.ticks * sizeof(TickRecord));
 }
 
 LinkHeader headerFor(const LinkMemory::Room& room) {
@@ -64,17 +60,19 @@ LinkBlock& LinkMemory::block() noexcept {
 }
 
 std::size_t LinkMemory::windowBytes() const noexcept {
-  return wholePages(room_.samples * sizeof(Sample));
+  return SealedMemory::wholePages(room_.samples * sizeof(Sample));
 }
 
 TickRecord* LinkMemory::tickRing() noexcept {
-  return reinterpret_cast<TickRecord*>(memory_.data() + wholePages(sizeof(LinkBlock)) + 3 * windowBytes());
+  return reinterpret_cast<TickRecord*>(memory_.data() + SealedMemory::wholePages(sizeof(LinkBlock)) +
+                                       3 * windowBytes());
 }
 
 std::array<Sample*, 3> LinkMemory::samples() noexcept {
   std::array<Sample*, 3> samples{};
   for (std::size_t slot = 0; slot < 3; ++slot)
-    samples[slot] = reinterpret_cast<Sample*>(memory_.data() + wholePages(sizeof(LinkBlock)) + slot * windowBytes());
+    samples[slot] =
+        reinterpret_cast<Sample*>(memory_.data() + SealedMemory::wholePages(sizeof(LinkBlock)) + slot * windowBytes());
   return samples;
 }
 

@@ -56,7 +56,7 @@ class LinkMemory {
   static constexpr std::size_t kMostTicks = std::size_t{1} << 16U;
   static constexpr std::size_t kMostWindowSamples = std::size_t{64} * 64 * 64;
   // Each window begins at a page, so that a driver can use it in place.
-  static constexpr std::size_t kPage = 4096;
+  static constexpr std::size_t kPage = SealedMemory::kPage;
 
   [[nodiscard]] WindowBlock& windows() noexcept { return block().windows; }
   [[nodiscard]] ToolPoseBlock& tool() noexcept { return block().tool; }

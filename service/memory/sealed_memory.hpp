@@ -14,6 +14,11 @@ namespace palpate {
 
 class SealedMemory {
  public:
+  static constexpr std::size_t kPage = 4096;
+  [[nodiscard]] static constexpr std::size_t wholePages(std::size_t bytes) {
+    return (bytes + kPage - 1) / kPage * kPage;
+  }
+
   SealedMemory() = default;
   // Zeros. `name`: for /proc/PID/maps. Throws Error(kOutOfMemory).
   SealedMemory(const char* name, std::size_t bytes);

@@ -3,7 +3,6 @@
 // killed in mid-window, and nothing that harms where the other process writes anything at all.
 #include "service/memory/link_memory.hpp"
 
-#include <csignal>
 #include <cstring>
 #include <functional>
 #include <random>
@@ -13,8 +12,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 
+#include "other_process.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {
@@ -26,33 +25,6 @@ constexpr std::size_t kSamples = std::size_t{kSide} * kSide * kSide;
 Descriptor copyOf(const LinkMemory& memory) {
   return Descriptor(fcntl(memory.descriptor(), F_DUPFD_CLOEXEC, 0));
 }
-
-// Another process, which ends with `work` or is killed.
-class Other {
- public:
-  explicit Other(const std::function<void()>& work) : id_(fork()) {
-    if (id_ != 0) return;
-    work();
-    _exit(0);
-  }
-  ~Other() {
-    if (id_ <= 0) return;
-    kill(id_, SIGKILL);
-    static_cast<void>(end());
-  }
-  Other(const Other&) = delete;
-  Other& operator=(const Other&) = delete;
-  void stop() const { kill(id_, SIGKILL); }
-  int end() {
-    int status = -1;
-    waitpid(id_, &status, 0);
-    id_ = -1;
-    return status;
-  }
-
- private:
-  pid_t id_;
-};
 
 // All that a window has follows from its version.
 void fill(WindowExchange& exchange) {
@@ -82,7 +54,7 @@ bool isWhole(const SampleWindow& window) {
 TEST(LinkMemory, CarriesWindowsAndPosesBetweenProcesses) {
   constexpr std::uint64_t kFirst = 1000, kWindows = 20'000;
   LinkMemory memory({.samples = kSamples});
-  Other engine([&] {
+  OtherProcess engine([&] {
     LinkMemory theirs(copyOf(memory), {.samples = kSamples});
     WindowExchange exchange(theirs.windows(), theirs.samples(), kSamples, kFirst);
     ToolPoseMailbox tool(theirs.tool());
@@ -164,7 +136,7 @@ TEST(LinkMemory, AKilledEngineLeavesAWholeWindow) {
   std::mt19937 random(1);
   for (int trial = 0; trial < 60; ++trial) {
     LinkMemory memory({.samples = kSamples});
-    Other engine([&] {
+    OtherProcess engine([&] {
       WindowExchange exchange(memory.windows(), memory.samples(), kSamples);
       while (true) {
         fill(exchange);
@@ -196,7 +168,7 @@ TEST(LinkMemory, AKilledEngineLeavesAWholeWindow) {
 // The other process writes anything anywhere. A window is then unusable, or has a lattice and samples that are there.
 TEST(LinkMemory, WhatIsNoWindowIsNotUsed) {
   LinkMemory memory({.samples = kSamples});
-  Other hostile([&] {
+  OtherProcess hostile([&] {
     std::mt19937_64 random(2);
     auto* const bytes = reinterpret_cast<std::byte*>(&memory.windows());
     constexpr std::size_t kAll = sizeof(WindowBlock) + sizeof(ToolPoseBlock);
@@ -307,7 +279,7 @@ TEST(LinkMemory, CarriesTicksAndAimsBetweenProcesses) {
   constexpr std::int64_t kTicks = 50'000;
   const LinkMemory::Room room{.samples = kSamples, .ticks = 128};
   LinkMemory memory(room);
-  Other servo([&] {
+  OtherProcess servo([&] {
     LinkMemory theirs(copyOf(memory), room);
     LiveTicks ticks(theirs.ticks(), theirs.tickRing(), theirs.tickCapacity());
     PointerPath path(Vec3(0, 0, 0));
