@@ -32,7 +32,7 @@ class RemoteServo final : public ServoSide {
     const Scene& scene;                   // whose device it makes
     VolumeBox box;                        // of the volume, for a device that a person holds
     const SampledPath* way = nullptr;     // of a device that none holds; null: none
-    const Vec3* pointer = nullptr;        // or where a pointer leads it at first (aim()); null: it does not [m]
+    const Vec3* pointer = nullptr;        // a pointer leads it (aim()); without a way from here on; null: none does [m]
     std::size_t told_ticks = 0;           // that tellTicksTo() keeps at most between two looks; 0: none
     std::size_t window_samples = 0;       // that a window has at most
     std::size_t recorded_reads = 0;       // of the device, to keep for recording(); 0: none

@@ -155,8 +155,6 @@ class ServoHost::Impl {
     const VolumeBox box{.middle_W = vectorOf(make.middle), .half_W = vectorOf(make.half)};
     SampledPath path = make.way_points > 0 ? wayOf(std::move(way), make.way_points, make.way_is_linear)
                                            : SampledPath({0}, {box.middle_W}, SampledPath::Interpolation::kLinear);
-    if (make.pointer_leads && stays_)
-      refuse("the engine", "a pointer leads no servo that stays", "start programs of the same version of Palpate");
     if (device_ && !stays_)
       refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
     if (!device_ || !isSame(make, path)) {
@@ -165,7 +163,10 @@ class ServoHost::Impl {
       device_.reset();
       made_for_ = {make.scene, box, make.recorded_reads};
       way_ = std::make_unique<SampledPath>(std::move(path));
-      if (make.pointer_leads) pointer_ = std::make_unique<PointerPath>(vectorOf(make.pointer_start));
+      pointer_.reset();
+      if (make.pointer_leads)
+        pointer_ = make.way_points > 0 ? std::make_unique<PointerPath>(*way_)
+                                       : std::make_unique<PointerPath>(vectorOf(make.pointer_start));
       makeDeviceFor(make, box);
     }
     wire::DeviceMadeT words = wireOf(*device_);
@@ -187,7 +188,7 @@ class ServoHost::Impl {
     return make.scene == made_for_.scene && vectorOf(make.middle) == made_for_.box.middle_W &&
            vectorOf(make.half) == made_for_.box.half_W && make.recorded_reads == made_for_.recorded_reads &&
            path.times_s() == way_->times_s() && path.points_W() == way_->points_W() &&
-           path.interpolation() == way_->interpolation();
+           path.interpolation() == way_->interpolation() && make.pointer_leads == (pointer_ != nullptr);
   }
 
   void makeDeviceFor(const wire::MakeDeviceT& make, const VolumeBox& box) {
@@ -230,8 +231,6 @@ class ServoHost::Impl {
     constexpr std::int64_t kMostTicks = std::int64_t{1} << 32U;
     if (make.record_ticks > kMostTicks || make.ticks > kMostTicks || (stays_ && make.ticks != 0))
       refuse("the engine", "it asks for a run of another length than can be", "make the run shorter");
-    if (make.told_ticks > 0 && stays_)
-      refuse("the engine", "a servo that stays tells no ticks", "start programs of the same version of Palpate");
     auto end = std::make_unique<EngineEnd>(std::move(memory),
                                            LinkMemory::Room{.samples = make.window_samples, .ticks = make.told_ticks});
     std::unique_ptr<Algorithm> algorithm = makeAlgorithm(settings, volume_);
@@ -267,7 +266,8 @@ class ServoHost::Impl {
              .tool = &next_->tool,
              .algorithm = std::move(algorithm),
              .force_limit_N = force_limit_N,
-             .doubtful = doubtful};
+             .doubtful = doubtful,
+             .ticks = next_->ticks ? &*next_->ticks : nullptr};
     changes_->withdraw();  // the former engine's
     links_->give(link_);
     awaitLink([](ServoLinks::State state) { return state != ServoLinks::State::kGiven; });
@@ -285,7 +285,12 @@ class ServoHost::Impl {
     if (!next_) return;
     const ServoLinks::State state = links_->state();
     if (state != ServoLinks::State::kDone && state != ServoLinks::State::kNone) return;
-    if (state == ServoLinks::State::kDone) end_ = std::move(next_);
+    if (state == ServoLinks::State::kDone) {
+      if (pointer_) pointer_->follow(next_->memory.aims());
+      while (pointer_ && loop_->running() && !pointer_->hasFollowed())  // a tick
+        std::this_thread::sleep_for(std::chrono::microseconds(200));
+      end_ = std::move(next_);
+    }
     next_.reset();
     link_ = {};
   }

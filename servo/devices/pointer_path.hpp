@@ -4,11 +4,13 @@
 // A pointer jumps from one place to another some sixty times a second. A hand does not: it follows as a critically
 // damped spring, and at most at kFastest_m_per_s, so that the servo meets no step.
 //
-// Frame W: world [m]. Threads: aim() by one thread, position() by the device's, with times that do not decrease. No
-// lock, no heap. The solution between two aims is exact, whatever the rate of the servo. The two may be processes that
-// share the block of the aims; one that is no place in the world is not followed.
+// Frame W: world [m]. Threads: aim() by one thread, position() by the device's, with times that do not decrease,
+// follow() by one that waits for hasFollowed(). No lock, no heap. The solution between two aims is exact, whatever the
+// rate of the servo. The two may be processes that share the block of the aims; one that is no place in the world is
+// not followed.
 #pragma once
 
+#include <atomic>
 #include <limits>
 #include <optional>
 #include <type_traits>
@@ -45,15 +47,23 @@ class PointerPath final : public Path {
   static constexpr double kFastest_m_per_s = 0.5;
 
   explicit PointerPath(const Vec3& start_W) : aim_W_(start_W), position_W_(start_W) {}
+  // Until the first aim it goes another way, which outlives this.
+  explicit PointerPath(const Path& until) : until_(&until), aim_W_(until.position(0)), position_W_(aim_W_) {}
 
-  // Before the device runs: the aims come from there, where nobody has read any.
-  void follow(PointerAimBlock& aims) noexcept { aims_.emplace(aims); }
+  // From the next position() on the aims come from there, where nobody has read any. The block before, if there was
+  // one, is not used any more once hasFollowed().
+  void follow(PointerAimBlock& aims) noexcept { next_.store(&aims, std::memory_order_release); }
+  [[nodiscard]] bool hasFollowed() const noexcept { return next_.load(std::memory_order_acquire) == nullptr; }
 
   [[nodiscard]] Vec3 position(double time_s) const noexcept override;
   [[nodiscard]] double duration_s() const noexcept override { return std::numeric_limits<double>::infinity(); }
 
  private:
+  void look() const noexcept;
+
   // The device's state. Its functions are const because paths of other kinds have none.
+  mutable const Path* until_ = nullptr;  // null: it has been aimed
+  mutable std::atomic<PointerAimBlock*> next_{nullptr};
   mutable std::optional<TripleBuffer<PointerAimRecord>> aims_;
   mutable Vec3 aim_W_;
   mutable double time_s_ = 0;

@@ -4,15 +4,16 @@
 //
 // The servo tells its pose in the new mailbox too, so that the new engine knows where a window is needed. Once that has
 // published one, the servo goes over to it between two ticks, and takes up its contact there. Until then it keeps what
-// it had, and takes no changes, which are the new engine's. The force is the safety gate's: one that had faded, as the old windows had grown stale, grows from nothing.
-// Threads: one thread gives links and takes them back; the servo's thread makes the other calls. Cost on the servo's
-// side: a load, a store; wait-free. Heap, errors: none.
+// it had, and takes no changes, which are the new engine's. The force is the safety gate's: one that had faded, as the
+// old windows had grown stale, grows from nothing. Threads: one thread gives links and takes them back; the servo's
+// thread makes the other calls. Cost on the servo's side: a load, a store; wait-free. Heap, errors: none.
 #pragma once
 
 #include <atomic>
 #include <memory>
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/loop/live_ticks.hpp"
 #include "servo/window/tool_pose.hpp"
 #include "servo/window/window_exchange.hpp"
 
@@ -24,6 +25,7 @@ struct ServoLink {
   std::unique_ptr<Algorithm> algorithm = {};  // afterwards the one that it replaced, if the loop owned that
   double force_limit_N = 0;                   // above 0 [N]
   bool doubtful = true;                       // InstabilityParameters::doubtful
+  LiveTicks* ticks = nullptr;                 // who is told of each tick from then on; null: nobody
 };
 
 class ServoLinks {

@@ -310,6 +310,7 @@ void ServoLoop::goOver(ServoLink& link) noexcept {
   const Vec3 free_W = freePlace(windows_->latest());
   windows_ = link.windows;
   tool_ = link.tool;
+  live_ = link.ticks;
   window_clock_ = WindowClock(nanoseconds(parameters_.safety.stall_s));
   guard_.reset(link.doubtful);
   gate_.setForceLimit(std::min(link.force_limit_N, most_force_N_));

@@ -330,9 +330,17 @@ class StayingServo : public RemoteRig {
   // the system closes that of a process that was killed.
   std::vector<ToolPose> engineFor(Channel channel, const std::string& commit = "", double stiffness = 0) {
     std::vector<ToolPose> poses;
-    RemoteServo servo(std::move(channel),
-                      {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32, .commit = commit});
+    const Vec3 start_W = path->position(0);
+    RemoteServo servo(std::move(channel), {.scene = scene,
+                                           .box = {},
+                                           .way = &*path,
+                                           .pointer = aims.empty() ? nullptr : &start_W,
+                                           .told_ticks = told_ticks,
+                                           .window_samples = 32 * 32 * 32,
+                                           .commit = commit});
     EXPECT_TRUE(servo.stays());
+    LiveTicks ticks(4096);
+    if (told_ticks > 0) servo.tellTicksTo(ticks);
     Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
     LinkMemory& memory = servo.memory();
     engine.shareWindows({.block = &memory.windows(),
@@ -362,14 +370,23 @@ class StayingServo : public RemoteRig {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       all_changes_ended = all_changes_ended && servo.ended(number);
     }
+    if (!aims.empty()) {
+      servo.aim(aims[first_versions.size() - 1]);
+      std::this_thread::sleep_for(std::chrono::milliseconds(400));  // 20 time constants
+    }
     rig.requestStop();
     const LoopResult result = rig.wait();
     EXPECT_TRUE(result.records.empty());
+    told.clear();
+    ticks.take(told);
     return poses;
   }
 
   LoopParameters loop;
   int changes = 0;  // that each engine gives
+  std::size_t told_ticks = 0;
+  std::vector<TickRecord> told;  // to the last engine
+  std::vector<Vec3> aims;        // of each engine
   bool all_changes_ended = true;
   std::vector<std::uint64_t> first_versions;
 };
@@ -430,23 +447,20 @@ TEST_F(StayingServo, LeavesAnEngineThatDiedBeforeItsFirstWindow) {
   EXPECT_GT(third.front().tick, first.back().tick);
 }
 
-// A window's pointer and its list of ticks are for a servo of its own.
-TEST_F(StayingServo, NoPointerLeadsItAndItTellsNoTicks) {
+// Engine after engine is told of every tick, and its pointer leads the tool from the first aim on.
+TEST_F(StayingServo, TellsItsTicksAndIsLedByEachEngine) {
   StayingHost host;
-  const Vec3 start_W(0, 0, 0);
-  EXPECT_THAT(refusalOf([&] {
-                const RemoteServo servo(host.connect(),
-                                        {.scene = scene, .box = {}, .pointer = &start_W, .window_samples = 512});
-              }),
-              HasSubstr("a pointer leads no servo that stays"));
-  EXPECT_THAT(refusalOf([&] {
-                RemoteServo servo(host.connect(),
-                                  {.scene = scene, .box = {}, .way = &*path, .told_ticks = 64, .window_samples = 512});
-                const RigVolume touched = rigVolume();
-                servo.makeLoop(loop, rigSettings(scene, phantom->isovalue()), touched, nullptr);
-              }),
-              HasSubstr("a servo that stays tells no ticks"));
-  static_cast<void>(engineFor(host.connect()));  // and it stays
+  told_ticks = 4096;
+  const Vec3 pressed_W = path->position(path->duration_s());
+  aims = {pressed_W + Vec3(0, 5e-4, 0), pressed_W - Vec3(0, 5e-4, 0)};  // the second engine finds it in contact, too
+  for (int engine = 0; engine < 2; ++engine) {
+    static_cast<void>(engineFor(host.connect()));
+    ASSERT_GT(told.size(), 100U) << engine;
+    std::int64_t missing = 0;
+    for (std::size_t i = 1; i < told.size(); ++i) missing += told[i].tick - told[i - 1].tick - 1;
+    EXPECT_LE(missing, 100) << engine;  // skipped ones alone, on a busy machine
+    EXPECT_LT((asVec3(told.back().hip_W) - aims[static_cast<std::size_t>(engine)]).norm(), 1e-6) << engine;
+  }
 }
 
 TEST_F(StayingServo, RefusesAnEngineOfAnotherVersionAndStays) {

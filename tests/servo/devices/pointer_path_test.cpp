@@ -99,6 +99,45 @@ TEST(PointerPath, IsLedNowhereByWhatIsNoPlace) {
   }
 }
 
+// Until the first aim it goes the other way, and from there on without a step, in place or in speed.
+TEST(PointerPath, GoesAnotherWayUntilItIsAimed) {
+  const SampledPath way({0, 1}, {Vec3(0, 0, 0), Vec3(0.05, 0, 0)}, SampledPath::Interpolation::kLinear);
+  PointerPath path(way);
+  PointerAimBlock aims;
+  PointerAim pointer(aims);
+  path.follow(aims);
+  for (int tick = 1; tick <= 500; ++tick) ASSERT_EQ(path.position(tick * 1e-3), way.position(tick * 1e-3));
+  pointer.aim(Vec3(std::nan(""), 0, 0));
+  EXPECT_EQ(path.position(0.501), way.position(0.501));
+  pointer.aim(Vec3(0.0252, 0, 0));
+  Vec3 last = path.position(0.502), speed(0.05, 0, 0);
+  for (int tick = 503; tick < 700; ++tick) {
+    const Vec3 now = path.position(tick * 1e-3), next_speed = (now - last) / 1e-3;
+    ASSERT_LE((next_speed - speed).norm() / 1e-3, 1.2 * (2e-3 / (kTau_s * kTau_s) + 2 * speed.norm() / kTau_s)) << tick;
+    last = now;
+    speed = next_speed;
+  }
+  EXPECT_NEAR(last.x(), 0.0252, 1e-5);
+}
+
+// The aims of one engine after another: those of the block before count no more, and the place stays until the first.
+TEST(PointerPath, FollowsOneBlockAfterAnother) {
+  Led led(Vec3::Zero());
+  EXPECT_FALSE(led.path.hasFollowed());
+  led.pointer.aim(Vec3(1e-3, 0, 0));
+  EXPECT_NEAR(led.path.position(1).x(), 1e-3, 1e-9);
+  EXPECT_TRUE(led.path.hasFollowed());
+  PointerAimBlock others;
+  PointerAim other(others);
+  led.path.follow(others);
+  EXPECT_FALSE(led.path.hasFollowed());
+  led.pointer.aim(Vec3(5e-3, 0, 0));
+  EXPECT_NEAR(led.path.position(2).x(), 1e-3, 1e-9);
+  EXPECT_TRUE(led.path.hasFollowed());
+  other.aim(Vec3(-1e-3, 0, 0));
+  EXPECT_NEAR(led.path.position(3).x(), -1e-3, 1e-9);
+}
+
 // Without a pointer's end it stays where it is.
 TEST(PointerPath, RestsWithoutAPointer) {
   const PointerPath path(Vec3(1, 2, 3));
