@@ -70,11 +70,11 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
                                      passProgress(progress, stopIfInterrupted));
   const BrushProfile profile = journal ? journal->header.profile : brushProfile(*volume_, first_isovalue_);
   session_ = std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes);
-  edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
   if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
   volume_->keepIsovalue(first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (request.outlives_its_engine) session_->keepAbreast();
+  edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
   if (journal) makeAgain(*journal, progress);
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
@@ -168,6 +168,7 @@ bool LiveVolume::isUnsaved() const {
 void LiveVolume::close(KeepJournal keep) {
   if (std::exchange(closed_, true) || !session_) return;
   if (engine_) edits_->doWaiting(0);  // a file that was asked for last
+  edits_->end();
   session_->close();
   const bool unsaved = isUnsaved();
   const bool keeps = keep == KeepJournal::kIfUnsaved ? unsaved : keep == KeepJournal::kAlways;

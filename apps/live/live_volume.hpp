@@ -51,7 +51,8 @@ class LiveVolume {
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] double firstIsovalue() const noexcept { return first_isovalue_; }
-  // As loaded. Before edits are made only: afterwards it is the saver's.
+  // With the edits that the saver has. Before edits are made, and after makeEngineAnew() until the next: it is the
+  // saver's otherwise.
   [[nodiscard]] const Volume& volume() const noexcept { return *volume_; }
   [[nodiscard]] bool hasEngine() const noexcept { return engine_ != nullptr; }
   [[nodiscard]] Engine& engine() noexcept { return *engine_; }
@@ -80,7 +81,7 @@ class LiveVolume {
   // When no rig runs: another engine of the same volume, by this plan, in place of the present one, which may have
   // failed. Edits, history, journal and files that are being written go on; its isovalue is the first one. Throws Error
   // as Engine and EditSession::leaveEngine() do: then there is no engine, and nothing but this and close() may be
-  // called.
+  // called, beside what reads states and takes requests.
   void makeEngineAnew(const Plan& plan);
 
   // When no rig runs any more: does the requests that wait, finishes what save() began, and ends the journal. Deletes

@@ -14,7 +14,11 @@
 namespace palpate {
 
 RigEdits::RigEdits(EditSession& session, const Vec3i& size, const Lattice& lattice, Tell tell)
-    : session_(session), size_(size), lattice_(lattice), tell_(std::move(tell)) {}
+    : session_(session),
+      outlives_its_engine_(session.keepsAbreast()),
+      size_(size),
+      lattice_(lattice),
+      tell_(std::move(tell)) {}
 
 // Of a request: whoever asked is told what became of it, also where nobody gets to it any more.
 class RigEdits::Promise {
@@ -42,7 +46,7 @@ bool RigEdits::askFor(const char* what, Done done, std::function<void(std::int64
             what, [&] { change(now_ns); }, promise.get()))
       promise->keep({});
   });
-  if (!asked && counts().editing)
+  if (!asked && counts().waiting >= kMostWaiting)
     promise->keep(Error(Error::Code::kOutOfMemory, what, "too many edits wait", "ask again when others are done"));
   return asked;
 }
@@ -107,7 +111,7 @@ void RigEdits::stroke(const ToolPose& pose, std::int64_t now_ns) {
 
 bool RigEdits::ask(Request request) {
   const std::lock_guard lock(mutex_);
-  if (!state_.editing || waiting_.size() >= kMostWaiting) return false;
+  if (has_ended_ || (!state_.editing && !outlives_its_engine_) || waiting_.size() >= kMostWaiting) return false;
   waiting_.push_back(std::move(request));
   return true;
 }
@@ -117,19 +121,30 @@ void RigEdits::goOn() {
   state_.editing = true;
 }
 
+void RigEdits::end() {
+  std::deque<Request> given_up;  // told when the lock is free again
+  const std::lock_guard lock(mutex_);
+  has_ended_ = true;
+  given_up.swap(waiting_);
+}
+
 RigEdits::Counts RigEdits::counts() const {
   const std::lock_guard lock(mutex_);
-  return state_;
+  Counts counts = state_;
+  counts.waiting = waiting_.size();
+  return counts;
 }
 
 RigEdits::State RigEdits::state() const {
   const std::lock_guard lock(mutex_);
-  return state_;
+  State state = state_;
+  state.waiting = waiting_.size();
+  return state;
 }
 
 RigEdits::Request RigEdits::next() {
   const std::lock_guard lock(mutex_);
-  if (waiting_.empty()) return {};
+  if (waiting_.empty() || !state_.editing) return {};
   Request request = std::move(waiting_.front());
   waiting_.pop_front();
   return request;
@@ -177,7 +192,7 @@ bool RigEdits::tryTo(const char* what, const Change& change, Promise* promise) {
         ++state_.refused;
       } else {
         state_.editing = false;
-        given_up.swap(waiting_);
+        if (!outlives_its_engine_) given_up.swap(waiting_);
       }
     }
     const bool is_awaited = promise != nullptr && promise->isAwaited();

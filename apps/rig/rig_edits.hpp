@@ -4,7 +4,8 @@
 //
 // Requests are done in order, one at each look at the tool, so that windows follow the tool in between. A refused edit
 // (out of memory, for example), a failed journal or a failed save ends neither the run nor the editing. A failed device
-// ends the editing. The user is told of each at once; of repeated ones with the same reason only once, with a count.
+// ends the editing; of a session that can go on with another engine (EditSession::keepAbreast()) what is asked for then
+// waits for goOn(). The user is told of each at once; of repeated ones with the same reason only once, with a count.
 //
 // Threads: requests may come from any thread. Everything else belongs to the engine's thread: the maker's before and
 // after a run, the rig's during it. Cost of a request and of state(): a lock, held no longer than a
@@ -29,8 +30,8 @@ namespace palpate {
 class RigEdits {
  public:
   using Tell = std::function<void(const std::string&)>;
-  // The session must outlive this object. `size`, `lattice`: the volume's. `tell` gets each failure, on the engine's
-  // thread.
+  // The session must outlive this object, and keep abreast already if it is to. `size`, `lattice`: the volume's. `tell`
+  // gets each failure, on the engine's thread.
   RigEdits(EditSession& session, const Vec3i& size, const Lattice& lattice, Tell tell);
 
   // Requests, from any thread. Return false and do nothing if kMostWaiting requests wait already or editing has ended.
@@ -62,6 +63,7 @@ class RigEdits {
     std::uint64_t content_version = 0;  // EditSession::contentVersion()
     std::size_t done = 0;               // steps that can be undone
     std::size_t undone = 0;             // and redone
+    std::size_t waiting = 0;            // requests
     bool editing = true;                // false: the device has failed, and nothing more is edited
   };
   [[nodiscard]] Counts counts() const;  // a lock, and no copy of a list
@@ -79,6 +81,8 @@ class RigEdits {
   void doWaiting(std::int64_t now_ns);
   // After a failed device, once the session has gone on with another engine: requests are taken again.
   void goOn();
+  // For the end: what waits is given up, and nothing more is taken.
+  void end();
   // Tells the user what has failed in the background since the last call.
   void listen();
   // Tells the user `text`, like a failure.
@@ -109,6 +113,7 @@ class RigEdits {
   void tell(const std::string& text, Again again);
 
   EditSession& session_;
+  const bool outlives_its_engine_;  // what waits then waits for the next one
   const Vec3i size_;
   const Lattice lattice_;
   const Tell tell_;
@@ -119,6 +124,7 @@ class RigEdits {
   bool journal_failed_ = false;
   mutable std::mutex mutex_;  // guards what follows
   std::deque<Request> waiting_;
+  bool has_ended_ = false;
   State state_;
 };
 

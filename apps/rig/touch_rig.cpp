@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/rig/touch_rig.hpp"
 
+#include <exception>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -125,11 +128,23 @@ void TouchRig::start(Follow follow) {
 }
 
 LoopResult TouchRig::wait() {
-  LoopResult result = servo_.wait();
-  if (!publisher_) return result;
-  publisher_->stop();
-  publisher_.reset();
-  freeUnusedSamples();
+  LoopResult result;
+  std::exception_ptr servos_end;  // of a servo in another process
+  try {
+    result = servo_.wait();
+  } catch (...) {
+    servos_end = std::current_exception();
+  }
+  if (publisher_) {
+    engine_failed_ = publisher_->failed();
+    struct Stopped {
+      std::optional<EngineThread>& publisher;
+      ~Stopped() { publisher.reset(); }
+    } const stopped{publisher_};
+    publisher_->stop();  // throws the engine's own failure, whatever the servo's is
+    freeUnusedSamples();
+  }
+  if (servos_end) std::rethrow_exception(servos_end);
   return result;
 }
 
@@ -192,9 +207,12 @@ void TouchRig::lookForIsovalue(const ToolPose& pose, std::int64_t now_ns, bool a
     const std::lock_guard lock(mutex_);
     look.wanted = settings_.parameters.isovalue;
     look.in_use = given_.parameters.isovalue;
-    look.taken = servo_.ended(taking_);
+    const bool is_gone = servo_.isGone();
+    if (is_gone) look.window_seen = std::numeric_limits<std::uint64_t>::max();  // nobody reads the old ones
+    look.taken = is_gone || servo_.ended(taking_);
     if (isovalue_transition_.mayGive(look)) {
-      taking_ = servo_.give({.algorithm = std::move(waiting_), .doubtful = mayShake(settings_)}, settings_);
+      if (!is_gone)
+        taking_ = servo_.give({.algorithm = std::move(waiting_), .doubtful = mayShake(settings_)}, settings_);
       given_ = settings_;
       return;
     }

@@ -55,9 +55,13 @@ class TouchRig {
   [[nodiscard]] LoopResult runSimulated(const Follow& follow = {}, const ServoLoop::Hook& before_tick = {});
 
   // Real clock: start() begins the run; only once. wait() returns when the run ends. A failure of the engine's thread
-  // ends the run, and wait() rethrows it. start() throws as ServoLoop::start() does.
+  // ends the run, and wait() rethrows it; else it throws that of a servo in another process, whose end leaves the
+  // engine at work until then. start() throws as ServoLoop::start() does.
   void start(Follow follow = {});
   [[nodiscard]] bool running() const noexcept { return servo_.running(); }
+  // The engine's thread does its work, whatever has become of the servo. By who made the rig.
+  [[nodiscard]] bool engineWorks() const noexcept { return publisher_ && !publisher_->failed(); }
+  [[nodiscard]] bool engineFailed() const noexcept { return engine_failed_; }  // after wait(), which threw its failure
   [[nodiscard]] LoopResult wait();
   void requestStop() noexcept { servo_.requestStop(); }
 
@@ -115,6 +119,7 @@ class TouchRig {
   std::uint64_t taking_ = 0;  // number of the change to the isovalue in use
   IsovalueTransition isovalue_transition_;
   std::optional<EngineThread> publisher_;
+  bool engine_failed_ = false;
 };
 
 }  // namespace palpate

@@ -90,6 +90,11 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
 void SculptSession::makeRemote() {
   Engine& engine = live_->engine();
   const Vec3 rests_W = restingPlace(facts_.object);
+  if (remote_) {  // a start that failed; its device is let go first
+    remote_->leave();
+    last_ = std::move(remote_);
+  }
+  process_.reset();
   process_ = std::make_unique<ServoProcess>();
   remote_ = std::make_unique<RemoteServo>(process_->takeChannel(),
                                           RemoteServo::Request{.scene = scene_,
@@ -104,6 +109,7 @@ void SculptSession::makeRemote() {
                        .capacity = memory.capacity(),
                        .bytes = memory.windowBytes(),
                        .first_version = remote_->firstVersion()});
+  last_.reset();
 }
 
 const Device& SculptSession::theDevice() const {
@@ -111,6 +117,7 @@ const Device& SculptSession::theDevice() const {
 }
 
 ForceOff SculptSession::forceOff() const noexcept {
+  if (remote_ && remote_->isGone()) return ForceOff::kNone;
   return remote_ || device_ ? theDevice().forceOff() : ForceOff::kNone;
 }
 
@@ -177,7 +184,8 @@ SculptState SculptSession::look() {
   state.edits = live_->edits().state();
   state.running = rig_->running();
   state.force_off = theDevice().forceOff();
-  if (remote_ && started_ && !closed_ && !state.running && !std::exchange(told_its_end_, true))
+  state.can_edit = rig_->engineWorks() && state.edits.editing;
+  if (remote_ && remote_->isGone() && !closed_ && !std::exchange(told_its_end_, true))
     tell(
         "the servo's process has ended; nothing is lost, and the volume can be edited and saved: open it anew for "
         "another servo");
@@ -209,7 +217,8 @@ void SculptSession::close() {
       static_cast<void>(rig_->wait());
     }
   } catch (...) {
-    if (!told_its_end_) failure = std::current_exception();
+    const bool is_told = remote_ && remote_->isGone() && !rig_->engineFailed();  // the servo's end, which loses nothing
+    if (!is_told) failure = std::current_exception();
   }
   try {
     if (live_) live_->close();

@@ -4,7 +4,7 @@
 //
 // It loads the volume, makes an engine that draws and edits, keeps a journal, and runs the servo by the real clock with
 // a device: one that a pointer leads, if it needs a path. Threads: all functions are the window's thread's, unless they
-// say otherwise; none waits for the engine or the servo, but for the constructor and close().
+// say otherwise; none waits for the engine or the servo, but for the constructor, start() and close().
 #pragma once
 
 #include <atomic>
@@ -64,7 +64,8 @@ struct SculptVolume {
 
 struct SculptState {
   RigEdits::State edits;
-  bool running = false;  // the servo
+  bool running = false;   // the servo
+  bool can_edit = false;  // and the engine, which may outlive a servo in another process
   ForceOff force_off = ForceOff::kNone;
   bool unsaved = false;               // the newest saved file lacks an edit
   std::size_t errands = 0;            // saves and exports that are under way
@@ -140,6 +141,8 @@ class SculptSession {
   std::vector<std::string> messages_;
   SculptVolume facts_;
   std::vector<PlanLine> plan_;
+  std::unique_ptr<ServoProcess> process_;       // with device.service
+  std::unique_ptr<RemoteServo> remote_, last_;  // its servo, and one before it: to whose memory the engine may write
   std::optional<LiveVolume> live_;
   LiveView view_;
   Scene scene_;
@@ -153,8 +156,6 @@ class SculptSession {
   std::optional<PointerAim> aim_;
   std::optional<PointerPath> path_;
   std::unique_ptr<Device> device_;
-  std::unique_ptr<ServoProcess> process_;  // with device.service
-  std::unique_ptr<RemoteServo> remote_;    // its servo
   bool told_its_end_ = false;
   std::unique_ptr<TouchRig> rig_;
   std::string held_;

@@ -24,12 +24,15 @@ bool PictureQueue::drawOn(std::uint64_t edit_version) {
     lock.unlock();
     from_frame_ = view_->latest().number;
     from_edits_ = edit_version;
-    view_->show(drawing_->request);
+    // Tile by tile: coarse pixels first, those that edits change would come before finer ones again and again.
+    ViewRequest request = drawing_->request;
+    request.order = DrawOrder::kWhole;
+    view_->show(request);
     return true;
   }
   const std::string failure = view_->failure();
   const ViewFrame& frame = view_->latest();
-  const bool is_whole = frame.number > from_frame_ && frame.whole && frame.edit_version >= from_edits_;
+  const bool is_whole = frame.number > from_frame_ && frame.fine && frame.edit_version >= from_edits_;
   if (!is_whole && failure.empty()) return true;
   view_->rest();
   const Drawing drawn = std::move(*std::exchange(drawing_, std::nullopt));

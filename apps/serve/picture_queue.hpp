@@ -29,7 +29,8 @@ class PictureQueue {
   // For the rig, or whoever looks at it (LiveView::look): valid until startAgain().
   [[nodiscard]] LiveView& view() noexcept { return *view_; }
   // At every look at the tool, after that of the view: begins the next picture and hands out one that is whole, with
-  // every edit up to `edit_version` when it began. Whether one is under way.
+  // every edit up to `edit_version` when it began, and perhaps parts of later ones: edits that go on and on do not keep
+  // it from being done. Whether one is under way.
   bool drawOn(std::uint64_t edit_version);
   // Nothing is drawn any more: whoever waits is told why. By the engine's thread, or after it.
   void giveUp(const std::string& why);

@@ -45,7 +45,7 @@ constexpr StatusFigure kFigures[] = {
     {"edits", "edits made, undo and redo included", true, [](S s, std::int64_t) { return number(s.edits); }},
     {"refused", "edits that were refused", true, [](S s, std::int64_t) { return number(s.refused); }},
     {"waiting_for_disk", "edits that are made but not on the disk", false, [](S s, std::int64_t) { return number(s.waiting_for_disk); }},
-    {"put_off", "requests that wait for an engine that is being made anew", false, [](S s, std::int64_t) { return number(s.put_off); }},
+    {"waiting", "edits, undos, redos and saves that the engine has not begun", false, [](S s, std::int64_t) { return number(s.waiting); }},
     {"undoable", "edits that can be undone", false, [](S s, std::int64_t) { return number(s.undoable); }},
     {"redoable", "edits that can be redone", false, [](S s, std::int64_t) { return number(s.redoable); }},
     {"unsaved", "1 while no saved file holds every edit", false, [](S s, std::int64_t) { return s.unsaved ? 1.0 : 0.0; }},

@@ -23,7 +23,7 @@ struct ServedStatus {
   std::uint64_t windows = 0;                        // that the servo has read, as its poses say
   std::array<std::uint64_t, 32> faults_begun = {};  // by bit (servo/safety/faults.hpp): as poses were seen to show them
   std::uint64_t waiting_for_disk = 0;               // edits that are made but not on the disk
-  std::uint64_t put_off = 0;                        // requests that wait for an engine that is being made anew
+  std::uint64_t waiting = 0;                        // edits, undos, redos and saves that the engine has not begun
   std::uint64_t edits = 0, refused = 0;
   std::uint64_t undoable = 0, redoable = 0;
   bool unsaved = false;

@@ -29,7 +29,6 @@ constexpr int kLoopPatience_ms = 2000;      // with one that makes its loop, whi
 constexpr std::chrono::milliseconds kIdle{1};
 constexpr std::chrono::milliseconds kRigLook{2};
 constexpr std::int64_t kMemoryLook_ns = 500'000'000;
-constexpr std::size_t kMostPutOff = 256;
 constexpr std::size_t kMostBricks = 65536;  // of a portion of another isovalue's gradients
 
 // So that what is not set cannot be told from what is usual.
@@ -102,8 +101,7 @@ void ServedVolume::close() {
 void ServedVolume::refuseWaiting() {
   std::vector<Done> waiting;
   {
-    const std::scoped_lock lock(engines_, mutex_);
-    for (const Order& order : std::exchange(put_off_, {})) order(is_ready_ ? engine_.get() : nullptr);
+    const std::lock_guard lock(mutex_);
     waiting.swap(isovalue_done_);
     if (filter_done_) waiting.push_back(std::exchange(filter_done_, {}));
   }
@@ -188,7 +186,6 @@ void ServedVolume::makeAnew() {
   const std::lock_guard lock(engines_);
   is_ready_ = true;
   looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
-  for (const Order& order : std::exchange(put_off_, {})) order(engine_.get());
 }
 
 void ServedVolume::noteLost() {
@@ -390,15 +387,15 @@ void ServedVolume::noteMemory(std::int64_t now_ns) {
 }
 
 ServedStatus ServedVolume::status() const {
-  const std::scoped_lock lock(engines_, mutex_);
+  std::unique_lock lock(mutex_);
   ServedStatus status = status_;
-  status.put_off = put_off_.size();
-  if (!is_ready_) return status;
+  lock.unlock();
   const LiveVolume& live = engine_->live();
   const RigEdits::Counts counts = live.edits().counts();
   status.edits += counts.edits;
   status.refused += counts.refused;
   status.undoable = counts.done;
+  status.waiting = counts.waiting;
   status.redoable = counts.undone;
   status.unsaved = live.isUnsaved();
   if (const JournalWriter* const journal = live.session().journal()) {
@@ -437,57 +434,18 @@ void ServedVolume::settle() {
   unwritten_.store(written_.size(), std::memory_order_relaxed);
 }
 
-void ServedVolume::order(Order order, When when) {
-  const std::lock_guard lock(engines_);
-  if (when == When::kNow && is_ready_) return order(engine_.get());
-  if (put_off_.size() >= kMostPutOff)
-    throw Error(Error::Code::kOutOfMemory, "the engine", "it is being made anew, and too many requests wait already",
-                "ask again in a moment");
-  put_off_.push_back(std::move(order));
-}
-
-// One that the engine's end kept from being made is made by the next engine, once.
-void ServedVolume::ask(Change change, Done done, When when) {
-  const auto order_of = [this, change = std::move(change), done = std::move(done), when](ServedEngine* engine) {
-    if (engine == nullptr) return done(hasEnded());
-    const auto told = [this, change, done, when](const std::optional<Error>& refusal) {
-      const bool is_unmade = refusal && refusal->code() == Error::Code::kCancelled;
-      if (!is_unmade || when == When::kWithTheNextEngine || stop_) return done(refusal);
-      try {
-        ask(change, done, When::kWithTheNextEngine);
-      } catch (const Error& error) {
-        done(error);
-      }
-    };
-    change(engine->live().edits(), onDisk(told));
-  };
-  order(order_of, when);
-}
-
+// While the engine is being made anew all of these wait for the next one.
 void ServedVolume::edit(std::vector<EditCommand> commands, Done done) {
-  ask([commands = std::move(commands)](RigEdits& edits, Done made) { edits.edit(commands, std::move(made)); },
-      std::move(done), When::kNow);
+  edits().edit(std::move(commands), onDisk(std::move(done)));
 }
 void ServedVolume::undo(Done done) {
-  ask([](RigEdits& edits, Done made) { edits.undo(std::move(made)); }, std::move(done), When::kNow);
+  edits().undo(onDisk(std::move(done)));
 }
 void ServedVolume::redo(Done done) {
-  ask([](RigEdits& edits, Done made) { edits.redo(std::move(made)); }, std::move(done), When::kNow);
+  edits().redo(onDisk(std::move(done)));
 }
-
 void ServedVolume::save(const std::string& file, std::function<void(const LiveVolume::Saved&)> done) {
-  checkOutput({.in = first_scene_.volume, .out = file});
-  const double isovalue = scene().isovalue.value_or(first_isovalue_);
-  order(
-      [file, isovalue, done = std::move(done)](ServedEngine* engine) {
-        if (engine == nullptr) return done({false, fmt::format("{} was not written: {}", file, hasEnded().what())});
-        try {
-          engine->live().save(file, isovalue, done);
-        } catch (const Error& error) {  // the file's place has changed since it was asked for
-          done({false, error.what()});
-        }
-      },
-      When::kNow);
+  engine_->live().save(file, scene().isovalue.value_or(first_isovalue_), std::move(done));
 }
 
 void ServedVolume::render(int width, int height, PictureQueue::Done done) {

@@ -89,9 +89,6 @@ class ServedVolume {
     std::uint64_t record = 0;
     Done done;
   };
-  using Order = std::function<void(ServedEngine*)>;  // null: no engine will come
-  using Change = std::function<void(RigEdits&, Done)>;
-  enum class When { kNow, kWithTheNextEngine };
   void run();
   void work();
   void feel(std::unique_ptr<RemoteServo> servo);
@@ -110,8 +107,7 @@ class ServedVolume {
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
   [[nodiscard]] std::unique_ptr<RemoteServo> takeNext();
   void greet(Channel channel, const wire::HelloT& hello);
-  void order(Order order, When when);
-  void ask(Change change, Done done, When when);
+  [[nodiscard]] RigEdits& edits() noexcept { return engine_->live().edits(); }
   void refuseWaiting();
   [[nodiscard]] Done onDisk(Done done);
   [[nodiscard]] RigSettings settingsOf(const Scene& scene) const;
@@ -139,9 +135,8 @@ class ServedVolume {
   std::int64_t memory_at_ns_ = 0;
   std::atomic<std::uint64_t> unwritten_{0};  // length of written_
 
-  mutable std::recursive_mutex engines_;  // guards the next, and who gives orders to engine_
-  bool is_ready_ = true;                  // false: the engine is being made anew
-  std::deque<Order> put_off_;
+  std::mutex engines_;    // guards the next, and what of engine_ depends on its filters
+  bool is_ready_ = true;  // false: the engine is being made anew
 
   std::mutex changers_;  // guards the next; held while the rig takes a change
   TouchRig* rig_ = nullptr;

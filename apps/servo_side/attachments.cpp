@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/attachments.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -51,6 +53,13 @@ void take(Reader& reader, std::vector<Vec3>& points) {
   for (Vec3& point : points) reader.take(point.data(), 3 * sizeof(double));
 }
 
+// A bool holds 0 or 1 and nothing else, whatever the other side wrote.
+void makeFlags(TickRecord& record) noexcept {
+  auto* const bytes = reinterpret_cast<std::byte*>(&record);
+  for (const std::size_t flag : {offsetof(TickRecord, in_contact), offsetof(TickRecord, damped)})
+    bytes[flag] = bytes[flag] == std::byte{0} ? std::byte{0} : std::byte{1};
+}
+
 }  // namespace
 
 SealedMemory wayMemory(const SampledPath& way) {
@@ -98,20 +107,24 @@ SealedMemory recordsMemory(const RunRecords& records) {
   return writer.taken();
 }
 
+bool makeSound(TickRecord& record) noexcept {
+  makeFlags(record);
+  const auto is_place = [](const double(&v)[3]) {
+    constexpr double kMost = 1e6;  // [m], [N]: beyond all that a servo meets
+    return std::ranges::all_of(v, [](double x) { return std::abs(x) <= kMost; });
+  };
+  return is_place(record.hip_W) && is_place(record.vhip_W) && is_place(record.normal_W) && is_place(record.force_W) &&
+         std::isfinite(record.time_s) && std::isfinite(record.depth_m) && std::isfinite(record.energy_J);
+}
+
 RunRecords recordsOf(Descriptor memory, std::uint64_t ticks, std::uint64_t recording_bytes) {
   RunRecords records;
   const std::size_t tick_bytes = counted(ticks) * sizeof(TickRecord);
   Reader reader(std::move(memory), tick_bytes + counted(recording_bytes));
   records.ticks.resize(static_cast<std::size_t>(ticks));
   records.recording.resize(static_cast<std::size_t>(recording_bytes));
-  std::vector<std::byte> bytes(tick_bytes);
-  reader.take(bytes.data(), tick_bytes);
-  // A bool holds 0 or 1 and nothing else, whatever the other side wrote.
-  for (std::size_t at = 0; at < tick_bytes; at += sizeof(TickRecord)) {
-    for (const std::size_t flag : {offsetof(TickRecord, in_contact), offsetof(TickRecord, damped)})
-      bytes[at + flag] = bytes[at + flag] == std::byte{0} ? std::byte{0} : std::byte{1};
-  }
-  if (tick_bytes > 0) std::memcpy(static_cast<void*>(records.ticks.data()), bytes.data(), tick_bytes);
+  reader.take(static_cast<void*>(records.ticks.data()), tick_bytes);
+  for (TickRecord& record : records.ticks) makeFlags(record);
   reader.take(records.recording.data(), records.recording.size());
   return records;
 }

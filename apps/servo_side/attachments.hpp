@@ -32,4 +32,7 @@ struct RunRecords {
 [[nodiscard]] SealedMemory recordsMemory(const RunRecords& records);
 [[nodiscard]] RunRecords recordsOf(Descriptor memory, std::uint64_t ticks, std::uint64_t recording_bytes);
 
+// Of a tick that another process told: whether its numbers are those of a servo. Its flags are mended.
+[[nodiscard]] bool makeSound(TickRecord& record) noexcept;
+
 }  // namespace palpate

@@ -188,6 +188,7 @@ void RemoteServo::listen() {
     }
   } catch (...) {
     failure_ = std::current_exception();
+    is_gone_.store(true, std::memory_order_release);
     running_.store(false, std::memory_order_release);
   }
 }
@@ -223,7 +224,11 @@ void RemoteServo::passTicksOn() {
   if (ticks_ == nullptr) return;
   taken_.clear();
   told_ticks_->take(taken_);
-  for (const TickRecord& record : taken_) ticks_->add(record);
+  for (TickRecord& record : taken_) {
+    if (record.tick <= last_told_ || !makeSound(record)) continue;
+    last_told_ = record.tick;
+    ticks_->add(record);
+  }
 }
 
 void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {

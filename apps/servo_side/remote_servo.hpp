@@ -72,6 +72,7 @@ class RemoteServo final : public ServoSide {
   [[nodiscard]] LoopResult runSimulated(const ServoLoop::Hook& before_tick) override;
   void start() override;
   [[nodiscard]] bool running() const noexcept override { return running_.load(std::memory_order_acquire); }
+  [[nodiscard]] bool isGone() const noexcept override { return is_gone_.load(std::memory_order_acquire); }
   [[nodiscard]] LoopResult wait() override;
   void requestStop() noexcept override;
   void tellTicksTo(LiveTicks& live) override;
@@ -105,6 +106,8 @@ class RemoteServo final : public ServoSide {
   std::optional<LiveTicks> told_ticks_;  // the other end of the servo's
   LiveTicks* ticks_ = nullptr;           // whom they are told here
   std::vector<TickRecord> taken_;
+  std::int64_t last_told_ = -1;
+  std::atomic<bool> is_gone_{false};
   std::atomic<std::uint64_t> given_{0};
   std::atomic<std::uint64_t> ended_{0};
   std::uint64_t first_version_ = 1;

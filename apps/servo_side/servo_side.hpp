@@ -38,6 +38,8 @@ class ServoSide {
   [[nodiscard]] virtual LoopResult runSimulated(const ServoLoop::Hook& before_tick) = 0;
   virtual void start() = 0;
   [[nodiscard]] virtual bool running() const noexcept = 0;
+  // Its process has ended without a word, or does not answer: nobody reads windows or takes changes any more.
+  [[nodiscard]] virtual bool isGone() const noexcept { return false; }
   [[nodiscard]] virtual LoopResult wait() = 0;
   virtual void requestStop() noexcept = 0;
   // Before a run: ticks are told there, which outlives the run. Throws Error(kBadInput) where they cannot be.

@@ -8,12 +8,15 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/held/held_device.hpp"
 #include "apps/window/questions.hpp"
 #include "apps/window/sculpt_window.hpp"
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "base/user_folders.hpp"
 
 namespace palpate {
@@ -42,17 +45,20 @@ bool isAway(const SculptRequest& request, const SculptSession& session) {
 
 // A device that was pulled while one volume took the other's place is waited for, as long as somebody may plug it in.
 void start(SculptSession& session, const SculptRequest& request, bool is_first) {
-  constexpr int kPatience_ms = 10'000, kLook_ms = 100;
-  for (int waited_ms = 0;; waited_ms += kLook_ms) {
+  constexpr double kPatience_s = 10;
+  constexpr std::chrono::milliseconds kLook(100);
+  const Stopwatch waited;
+  for (bool is_told = false;; is_told = true) {
     try {
       return session.start();
-    } catch (const Error&) {
-      // Whom its own process opens, it finds or it does not.
-      const bool may_come = request.held ? isAway(request, session) : session.deviceIsHeld() && !is_first;
-      if (!may_come || waited_ms >= kPatience_ms || interrupted()) throw;
+    } catch (const Error& error) {
+      // One that the servo's process opens is found there or not.
+      const bool is_missing = error.code() == Error::Code::kNotFound || error.code() == Error::Code::kDevice;
+      const bool may_come = request.held ? isAway(request, session) : is_missing && session.deviceIsHeld() && !is_first;
+      if (!may_come || waited.seconds() >= kPatience_s || interrupted()) throw;
+      if (!is_told) tellUser(fmt::format("{} is waited for: {}", request.device.device, error.what()));
     }
-    if (waited_ms == 0) tellUser(request.device.device + " is not connected: plug it in");
-    std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+    std::this_thread::sleep_for(kLook);
   }
 }
 

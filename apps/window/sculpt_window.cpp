@@ -93,8 +93,8 @@ bool SculptWindow::done() {
     return true;
   }
   if (model_.leaving.goes) {
-    if (model_.state.errands > 0 && model_.state.running) return false;
-    const bool lost = model_.state.unsaved && model_.state.running && !model_.leaving.keeps;
+    if (model_.state.errands > 0 && model_.state.can_edit) return false;
+    const bool lost = model_.state.unsaved && model_.state.can_edit && !model_.leaving.keeps;
     if (!lost) return true;
     model_.leaving.goes = false;  // a file was not written, or something was edited meanwhile
     model_.leaving.asks = true;

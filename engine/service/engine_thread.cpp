@@ -54,6 +54,7 @@ void EngineThread::run() {
     }
   } catch (...) {
     failure_ = std::current_exception();
+    failed_.store(true, std::memory_order_release);
     if (on_failure_) on_failure_();
   }
 }

@@ -29,6 +29,7 @@ class EngineThread {
   EngineThread& operator=(const EngineThread&) = delete;
 
   void stop();  // waits for the thread's end; rethrows its failure
+  [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }  // any thread
   [[nodiscard]] std::uint64_t publications() const noexcept { return publications_.load(); }
 
  private:
@@ -39,6 +40,7 @@ class EngineThread {
   Follow follow_;
   std::function<void()> on_failure_;
   std::atomic<bool> stopping_ = false;
+  std::atomic<bool> failed_ = false;
   std::atomic<std::uint64_t> publications_ = 0;
   std::exception_ptr failure_;
   std::thread thread_;  // last: it uses all of the above

@@ -31,8 +31,8 @@ struct UndoLabel {
 
 class EditHistory {
  public:
-  // Engine::allowEdits() must have been called on `engine`, which must outlive this. `budget_bytes`: limit for all
-  // copies; 0: no undo.
+  // Engine::allowEdits() must have been called on `engine`, which outlives this or goOnWith(). `budget_bytes`: limit
+  // for all copies; 0: no undo.
   EditHistory(Engine& engine, std::size_t budget_bytes) : engine_(&engine), budget_bytes_(budget_bytes) {}
 
   // As Engine::edit(), and copies what the changed bricks held. Edits that were undone can no longer be redone. kLast

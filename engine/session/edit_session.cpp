@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "base/error.hpp"
@@ -13,8 +15,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::int64_t kCopyPeriod_ns = 100'000'000;  // between two completions of the copy on the CPU
-constexpr std::size_t kMostMissing = 64;              // changes that are worth one earlier
+constexpr std::int64_t kCopyPeriod_ns = 100'000'000;    // between two completions of the copy on the CPU
+constexpr std::size_t kMostMissing = 64;                // changes that are worth one earlier
+constexpr std::size_t kMostMissing_bytes = 64U << 20U;  // while a file is being written
 
 Error lacksEdits() {
   return {Error::Code::kOutOfMemory, "the engine", "the copy of the volume on the CPU lacks edits, as memory ran out",
@@ -56,6 +59,7 @@ template <typename Note, typename Change>
 Engine::EditResult EditSession::journalled(const Note& note, const Change& change,
                                            const std::function<void(JournalWriter&)>& append) {
   if (keeps_abreast_) note();  // before the change, after which nothing may throw
+  const std::uint64_t version = engine_->editVersion();
   try {
     Engine::EditResult result = timed(change);
     if (journal_) append(*journal_);
@@ -64,6 +68,7 @@ Engine::EditResult EditSession::journalled(const Note& note, const Change& chang
     if (keeps_abreast_) missing_.dropLast();
     throw;
   } catch (...) {
+    if (keeps_abreast_ && engine_->editVersion() == version && !engine_->broken()) missing_.dropLast();
     if (journal_) journal_->end("memory failed in the middle of an edit", ENOMEM);
     throw;
   }
@@ -117,34 +122,56 @@ bool EditSession::isCopyDue(std::int64_t now_ns) const {
 }
 
 void EditSession::feedSaver(std::int64_t now_ns) {
-  if (!saver_ || !saver_usable_ || !saver_->ready()) return;
-  const bool copy_due = isCopyDue(now_ns);
-  if (save_period_ns_ == 0 && errands_.empty() && !copy_due) return;
-  if (next_save_ns_ == kNotSet) next_save_ns_ = now_ns + save_period_ns_;
+  if (!saver_ || !saver_usable_) return;
   const std::size_t changed = engine_->changedBricks();
-  if (std::exchange(save_begun_, false)) bricks_left_ = changed;
+  const std::size_t more = changed > bricks_left_ ? changed - bricks_left_ : 0;
+  bricks_left_ = changed;
+  if (!saver_->ready()) return holdBack();
+  const bool copy_due = isCopyDue(now_ns);
+  if (save_period_ns_ == 0 && errands_.empty() && !keeps_abreast_) return;
+  if (next_save_ns_ == kNotSet) next_save_ns_ = now_ns + save_period_ns_;
   // Unless there are many, bricks are handed over only once a save is due. So a brick that changes again and again is
   // copied once for each save.
   const bool save_due = save_period_ns_ > 0 && isSaveDue(now_ns), due = save_due || !errands_.empty() || copy_due;
   if (!due && changed < kBricksAtOnce) return;
-  // If edits change more bricks between two calls than a call hands over, a due save would never begin. So a due save
-  // takes as many more as changed since the last call. Then each call shortens the list by kBricksAtOnce, and the save
-  // begins.
+  // If edits change more bricks between two calls than a call hands over, a due save would never begin. So a due save,
+  // or a copy that lacks much, takes as many more as changed since the last call. Then each call shortens the list by
+  // kBricksAtOnce, and the save begins.
   const Then then = !errands_.empty() ? Then::kErrand : save_due ? Then::kSave : Then::kNothing;
-  handOver(kBricksAtOnce + (due && changed > bricks_left_ ? changed - bricks_left_ : 0), then);
+  const bool hurries = save_due || !errands_.empty() || missing_.size() >= kMostMissing;
+  handOver(kBricksAtOnce + (hurries ? more : 0), then);
   bricks_left_ = engine_->changedBricks();
   if (!due || bricks_left_ > 0) return;
   if (then == Then::kSave) next_save_ns_ = now_ns + save_period_ns_;
   next_copy_ns_ = now_ns + kCopyPeriod_ns;
-  save_begun_ = then != Then::kNothing;
+}
+
+// A file takes long to write. What gathers meanwhile is taken from the engine beside it, so that it is not more than
+// the volume, or not for long.
+void EditSession::holdBack() {
+  if (!keeps_abreast_ || missing_.bytes() < kMostMissing_bytes) return;
+  std::ranges::stable_sort(held_back_, {}, &BrickContent::brick);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < held_back_.size(); ++i) {  // the newest of each brick
+    if (i + 1 < held_back_.size() && held_back_[i + 1].brick == held_back_[i].brick) continue;
+    if (kept != i) held_back_[kept] = std::move(held_back_[i]);
+    ++kept;
+  }
+  held_back_.resize(kept);
+  try {
+    held_back_.reserve(kept + engine_->changedBricks());
+    std::ranges::move(engine_->takeChanged(std::numeric_limits<std::size_t>::max()), std::back_inserter(held_back_));
+    missing_.clear();
+  } catch (const std::exception&) {  // nothing was taken, or the engine is broken; what is missing stays known
+  }
 }
 
 // If bricks were taken from the editor and did not arrive, they would be missing in every later file. Then no file is
 // written any more.
 void EditSession::handOver(std::size_t most, Then then) {
   try {
-    std::vector<BrickContent> bricks;
-    if (engine_ != nullptr) bricks = engine_->takeChanged(most);
+    if (engine_ != nullptr) std::ranges::move(engine_->takeChanged(most), std::back_inserter(held_back_));
+    std::vector<BrickContent> bricks = std::exchange(held_back_, {});
     const std::uint64_t version = engine_ != nullptr ? engine_->editVersion() : left_version_;
     const bool complete = changedBricks() == 0;
     if (complete && then == Then::kErrand) {
@@ -177,11 +204,20 @@ void EditSession::leaveEngine() {
   }
   left_version_ = engine_->editVersion();
   engine_ = nullptr;
+  lacks_edits_ = true;
+  if (!held_back_.empty()) {
+    saver_->give(std::exchange(held_back_, {}), BackgroundSaver::Completes::kVersion);
+    saver_->wait();
+  }
   Volume* const volume = saver_usable_ ? saver_->lend() : nullptr;
-  lacks_edits_ = volume == nullptr;
-  if (lacks_edits_) throw lacksEdits();
-  missing_.makeIn(*volume, profile_);
+  if (volume == nullptr) throw lacksEdits();
+  try {
+    missing_.makeIn(*volume, profile_);
+  } catch (const std::exception&) {
+    throw lacksEdits();
+  }
   missing_.clear();
+  lacks_edits_ = false;
 }
 
 void EditSession::goOnWith(Engine& engine) {
@@ -197,14 +233,15 @@ void EditSession::close() {
   if (!saver_ || closed_) return;
   closed_ = true;
   saver_->wait();
-  if (keeps_abreast_ && engine_ != nullptr && engine_->broken()) {
-    try {
-      leaveEngine();
-    } catch (const Error&) {  // its errands are told by their end
-    }
-  }
   const bool save = saves_ && !isSaved();
   for (bool more = true; more && saver_usable_ && !lacks_edits_;) {
+    if (keeps_abreast_ && engine_ != nullptr && engine_->broken()) {
+      try {
+        leaveEngine();
+      } catch (const std::exception&) {
+        break;  // errands are told by their end
+      }
+    }
     const bool errand = !errands_.empty();
     handOver(kBricksAtOnce, errand ? Then::kErrand : save ? Then::kSave : Then::kNothing);
     saver_->wait();
@@ -228,7 +265,7 @@ EditFigures EditSession::figures() const {
   EditFigures figures = figures_;
   if (saver_) figures.saves = saver_->figures();
   // Edits after the saved version changed nothing, so the file holds the newest version.
-  if (saver_ && isSaved()) figures.saves.version = engine_->editVersion();
+  if (saver_ && isSaved()) figures.saves.version = engine_ != nullptr ? engine_->editVersion() : left_version_;
   if (!journal_) return figures;
   figures.journalled = journal_->appended();
   figures.acknowledged = journal_->acknowledged();

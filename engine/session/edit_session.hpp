@@ -38,8 +38,8 @@ struct EditFigures {
 
 class EditSession {
  public:
-  // Calls allowEdits() with these kinds on `engine`, which must outlive this. `history_bytes`: memory for undo; 0: no
-  // undo.
+  // Calls allowEdits() with these kinds on `engine`, which outlives this or is left before. `history_bytes`: memory for
+  // undo; 0: no undo.
   EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds, std::size_t history_bytes);
 
   // Keeps a journal in `folder` from now on. Call it before the first edit. Throws as JournalWriter does.
@@ -52,17 +52,19 @@ class EditSession {
   // From now on the session can go on with another engine (leaveEngine()). After keepSaved(), before the first edit.
   // Cost: a copy of every brick that edits change, some ten times a second, and what MissingChanges keeps in between.
   void keepAbreast();
+  [[nodiscard]] bool keepsAbreast() const noexcept { return keeps_abreast_; }
   // The engine may go, also if it has failed: then the volume of keepSaved() has every edit that was made. Waits for a
   // file that is being written. Until goOnWith() nothing else is called but close(). Throws Error(kOutOfMemory) if the
   // copy on the CPU lacks edits; then nothing but close() may be called any more.
   void leaveEngine();
-  // An engine of that volume, which must outlive this. Calls allowEdits(). History, journal and saves go on. Throws as
-  // allowEdits() does, and as leaveEngine() did.
+  // An engine of that volume, which outlives this or is left before. Calls allowEdits(). History, journal and saves go
+  // on. Throws as allowEdits() does, and as leaveEngine() did.
   void goOnWith(Engine& engine);
 
   // Call it often. Hands changed bricks to the saver, and begins a save once one is due and the last is done. Never
   // waits for the saver. Cost: a copy of at most 256 bricks, some 1.2 us each. If a due save still lacks bricks, a call
-  // also copies as many as edits have changed since the last call. That takes a tenth of the time of those edits.
+  // also copies as many as edits have changed since the last call. That takes a tenth of the time of those edits. While
+  // a file is being written, a session that keeps abreast copies all once 64 MiB of changes are missing.
   void feedSaver(std::int64_t now_ns);
   // To be done with the volume as it is once feedSaver() has handed over every edit made until now; after keepSaved().
   // Errands are done in order, in the saver's thread, while edits go on. close() does those that are left.
@@ -99,6 +101,7 @@ class EditSession {
   [[nodiscard]] std::size_t changedBricks() const noexcept;  // that the copy lacks
   enum class Then { kNothing, kSave, kErrand };              // once no changed brick is left
   void handOver(std::size_t most, Then then);
+  void holdBack();
   template <typename Change>
   Engine::EditResult timed(const Change& change);
   template <typename Note, typename Change>
@@ -113,13 +116,13 @@ class EditSession {
   // Most bricks that one feedSaver() copies: well under a millisecond, since the engine's thread must keep the window
   // current.
   static constexpr std::size_t kBricksAtOnce = 256;
-  // Changed bricks that the last feedSaver() left, or those that changed while a file was written.
+  // Changed bricks that the last feedSaver() left.
   std::size_t bricks_left_ = 0;
-  bool save_begun_ = false;  // by the last feedSaver()
   bool keeps_abreast_ = false, lacks_edits_ = false;
-  MissingChanges missing_;          // if it keeps abreast
-  std::int64_t next_copy_ns_ = 0;   // when the copy is to be completed next
-  std::uint64_t left_version_ = 0;  // of the engine that was left
+  std::vector<BrickContent> held_back_;  // taken from the engine, and not yet given to the saver
+  MissingChanges missing_;               // if it keeps abreast
+  std::int64_t next_copy_ns_ = 0;        // when the copy is to be completed next
+  std::uint64_t left_version_ = 0;       // of the engine that was left
   std::deque<BackgroundSaver::Errand> errands_;
   static constexpr std::int64_t kNotSet = std::numeric_limits<std::int64_t>::min();
   std::uint64_t content_version_ = 0;    // edit version of the last edit that may have changed something

@@ -19,11 +19,12 @@ namespace palpate {
 
 class MissingChanges {
  public:
-  void noteEdit(std::span<const EditCommand> commands) { changes_.push_back({{commands.begin(), commands.end()}, {}}); }
-  void noteReplace(std::span<const BrickContent> bricks) { changes_.push_back({{}, {bricks.begin(), bricks.end()}}); }
-  void dropLast() noexcept { changes_.pop_back(); }  // it was not made
-  void clear() noexcept { changes_.clear(); }        // the copy holds them
+  void noteEdit(std::span<const EditCommand> commands);
+  void noteReplace(std::span<const BrickContent> bricks);
+  void dropLast() noexcept;  // it was not made
+  void clear() noexcept;     // the copy holds them
   [[nodiscard]] std::size_t size() const noexcept { return changes_.size(); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }  // of commands and bricks
 
   // Makes them in a copy that lacks these alone, as the CPU twin of the brushes does: bit for bit what the engine held.
   void makeIn(Volume& volume, const BrushProfile& profile) const;
@@ -32,8 +33,12 @@ class MissingChanges {
   struct Change {  // one of the two
     std::vector<EditCommand> commands;
     std::vector<BrickContent> bricks;
+    std::size_t bytes = 0;
   };
+  void note(Change change);
+
   std::deque<Change> changes_;
+  std::size_t bytes_ = 0;
 };
 
 }  // namespace palpate

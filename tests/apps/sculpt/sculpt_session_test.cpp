@@ -260,6 +260,31 @@ TEST(SculptSession, OutlivesItsServosProcess) {
   EXPECT_EQ(std::ranges::count(person.heard, person.heard.front()), 1);  // told once
 }
 
+// The session is closed while the engine still has work: it is done, by one thread, and what is saved has every edit.
+TEST(SculptSession, IsClosedInGoodOrderAfterItsServosDeath) {
+  SculptRequest asked{.volume = kBall};
+  asked.device.service = true;
+  asked.commit = commitOfPrograms();
+  Person person(asked);
+  ASSERT_TRUE(person.seesAll());
+  person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
+  ASSERT_TRUE(person.presses([&] { return person.look().edits.edits >= 20; }));
+  const pid_t servo = childOf(getpid(), "palpate-servo");
+  ASSERT_GT(servo, 0);
+  kill(servo, SIGKILL);
+  person.session.release();
+  const std::string file = (person.folder.path() / "kept.vdb").string();
+  person.session.save(file);
+  EXPECT_NO_THROW(person.session.close());
+  Volume replayed = loadVolume(kBall);
+  if (const auto journal = person.folder.path() / "journal"; std::filesystem::exists(journal)) {
+    replay(readJournal(journal), replayed);
+    EXPECT_EQ(contentHash(loadVolume(file)), contentHash(replayed));
+  } else {  // the file has all of it
+    EXPECT_NE(contentHash(loadVolume(file)), contentHash(replayed));
+  }
+}
+
 // One of another build is no servo of this program.
 TEST(SculptSession, RefusesAServoOfAnotherBuild) {
   SculptRequest asked{.volume = kBall};

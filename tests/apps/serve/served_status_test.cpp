@@ -34,7 +34,7 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   status.pose_at_ns = 5'000'000;
   status.windows = 3;
   status.waiting_for_disk = 4;
-  status.put_off = 5;
+  status.waiting = 5;
   status.edits = 6;
   status.refused = 7;
   status.undoable = 8;
@@ -51,7 +51,7 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   all.erase("servo_memory_bytes");
   const std::map<std::string, double> expected = {
       {"servo", 1},          {"servos", 2},   {"tick", 77},      {"pose_age_ms", 2},      {"force_N", 5},
-      {"contact", 1},        {"faults", 96},  {"windows", 3},    {"waiting_for_disk", 4}, {"put_off", 5},
+      {"contact", 1},        {"faults", 96},  {"windows", 3},    {"waiting_for_disk", 4}, {"waiting", 5},
       {"edits", 6},          {"refused", 7},  {"undoable", 8},   {"redoable", 9},         {"unsaved", 1},
       {"journal_bytes", 10}, {"engines", 11}, {"gpu_bytes", 12}, {"clients", 13}};
   EXPECT_EQ(all, expected);

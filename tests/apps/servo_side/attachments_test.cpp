@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/attachments.hpp"
 
+#include <cstddef>
+#include <cstring>
+#include <functional>
+#include <limits>
+
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -69,6 +74,35 @@ TEST(Attachments, FlagsAreFlags) {
   EXPECT_EQ(flag, std::byte{1});
   EXPECT_FALSE(back.ticks[0].damped);
   EXPECT_FALSE(back.ticks[1].in_contact);
+}
+
+// Of a tick that is told while the servo runs: numbers that no servo has are found, one by one, and flags are mended.
+TEST(Attachments, TicksAreThoseOfAServo) {
+  const auto sound = [](const std::function<void(TickRecord&)>& change) {
+    TickRecord record{.tick = 3, .time_s = 0.1, .density = std::numeric_limits<float>::quiet_NaN()};
+    change(record);
+    return makeSound(record);
+  };
+  EXPECT_TRUE(sound([](TickRecord&) {}));
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kMuch = 1e300;
+  EXPECT_FALSE(sound([](TickRecord& r) { r.hip_W[0] = kNone; }));
+  EXPECT_FALSE(sound([](TickRecord& r) { r.vhip_W[1] = kMuch; }));
+  EXPECT_FALSE(sound([](TickRecord& r) { r.normal_W[2] = kNone; }));
+  EXPECT_FALSE(sound([](TickRecord& r) { r.force_W[2] = -kMuch; }));
+  EXPECT_FALSE(sound([](TickRecord& r) { r.time_s = kNone; }));
+  EXPECT_FALSE(sound([](TickRecord& r) { r.depth_m = kNone; }));
+  EXPECT_FALSE(sound([](TickRecord& r) { r.energy_J = kNone; }));
+  EXPECT_TRUE(sound([](TickRecord& r) {
+    const std::byte seven{7};
+    std::memcpy(&r.in_contact, &seven, 1);
+  }));
+  TickRecord record;
+  const std::byte seven{7};
+  std::memcpy(&record.damped, &seven, 1);
+  static_cast<void>(makeSound(record));
+  std::byte flag{};
+  std::memcpy(&flag, &record.damped, 1);
+  EXPECT_EQ(flag, std::byte{1});
 }
 
 // Counts that another side may say.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A session that goes on with one engine after another, some of which have failed: nothing is lost.
+#include <atomic>
 #include <map>
 #include <memory>
 #include <optional>
 #include <random>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -234,6 +236,120 @@ TEST(OtherEngine, ASessionMayEndWithoutOne) {
     EXPECT_EQ(contentHash(left.s.volume), content) << is_left;
     EXPECT_THAT(written, testing::ElementsAre(std::pair(version, content))) << is_left;
   }
+}
+
+// Memory that runs out while the session ends, in whichever place: it ends, and whoever is told of a file is told of
+// one with every edit.
+TEST(OtherEngine, ItEndsAlthoughMemoryRunsOut) {
+  Left same;
+  const std::uint64_t content = same.s.hash();
+  int written = 0;
+  for (std::size_t fails = 1; fails <= 24; ++fails) {
+    Left left;
+    if (fails % 2 == 0) breakEngine(left.s.engine);
+    left.s.session.ask([&](const Volume& volume, std::uint64_t) {
+      EXPECT_EQ(contentHash(volume), content) << fails;
+      ++written;
+    });
+    failing_memory::failAfter(fails);
+    left.s.session.close();
+    failing_memory::failNoMore();
+  }
+  EXPECT_GT(written, 0);
+}
+
+// The same between two engines: all edits, or none goes on.
+TEST(OtherEngine, NoneGoesOnWithHalfAnEdit) {
+  Left same;
+  const std::uint64_t content = same.s.hash();
+  int whole = 0, lacking = 0;
+  for (std::size_t fails = 1; fails <= 40; ++fails) {
+    Left left;
+    breakEngine(left.s.engine);
+    failing_memory::failAfter(fails);
+    try {
+      left.s.session.leaveEngine();
+      failing_memory::failNoMore();
+      EXPECT_EQ(contentHash(left.s.volume), content) << fails;
+      ++whole;
+    } catch (const Error& error) {
+      failing_memory::failNoMore();
+      EXPECT_EQ(error.code(), Error::Code::kOutOfMemory);
+      EXPECT_THROW(left.s.session.goOnWith(same.s.engine), Error);
+      ++lacking;
+    }
+  }
+  EXPECT_GT(lacking, 0);
+  EXPECT_GE(whole + lacking, 40);
+}
+
+// A large edit, and the engine's thread copies no more than some hundred bricks at a look.
+TEST(OtherEngine, ALargeChangeIsHandedOverInParts) {
+  Volume volume = sampleVolume(8, kSize);
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan({}), 30, "");
+  EditSession session(engine, header.profile, {}, kMuch);
+  session.keepSaved(volume, {}, 0);
+  session.keepAbreast();
+  EditCommand command;
+  command.kind = EditKind::kAdd;
+  command.from_W = command.to_W = volume.lattice().toWorld(Vec3(48, 48, 48));
+  command.radius_m = 30e-3;
+  session.edit({&command, 1}, 0);
+  std::size_t left = engine.changedBricks();
+  ASSERT_GT(left, 512U);
+  std::int64_t now_ns = 1'000'000'000;
+  while (left > 0) {
+    session.feedSaver(now_ns += kMillisecond_ns);
+    session.saver()->wait();
+    ASSERT_LE(left - engine.changedBricks(), 256U);
+    ASSERT_LT(engine.changedBricks(), left);
+    left = engine.changedBricks();
+  }
+}
+
+// A file takes long to write, and large steps go to and fro meanwhile: what is missing is taken from the engine beside
+// it, again and again. Then the engine fails.
+TEST(OtherEngine, MuchMayChangeWhileAFileIsWritten) {
+  Volume volume = sampleVolume(8, kSize), twin = sampleVolume(8, kSize);
+  const JournalHeader header = sampleHeader(volume);
+  Engine engine(volume, makePlan({}), 30, "");
+  EditSession session(engine, header.profile, {}, kMuch);
+  session.keepSaved(volume, {}, 0);
+  session.keepAbreast();
+  std::atomic<bool> is_slow{true};
+  session.ask([&](const Volume&, std::uint64_t) {
+    while (is_slow) std::this_thread::yield();
+  });
+  session.feedSaver(0);
+  ASSERT_FALSE(session.saver()->ready());
+  EditCommand command;
+  command.kind = EditKind::kAdd;
+  command.from_W = command.to_W = volume.lattice().toWorld(Vec3(48, 48, 48));
+  command.radius_m = 30e-3;
+  session.edit({&command, 1}, 0);
+  int taken = 0;
+  for (int i = 0; i < 250; ++i) {
+    i % 2 == 0 ? session.undo(0) : session.redo(0);
+    session.feedSaver(i);
+    taken += engine.changedBricks() == 0 ? 1 : 0;
+  }
+  EXPECT_GE(taken, 1);
+  EXPECT_LE(taken, 4);
+  command.kind = EditKind::kRemove;
+  command.radius_m = 5e-3;
+  command.from_W = command.to_W = volume.lattice().toWorld(Vec3(20, 30, 40));
+  session.edit({&command, 1}, 0);
+  breakEngine(engine);
+  is_slow = false;
+  session.leaveEngine();
+  EditCommand first = command;
+  first.kind = EditKind::kAdd;
+  first.radius_m = 30e-3;
+  first.from_W = first.to_W = twin.lattice().toWorld(Vec3(48, 48, 48));
+  for (const EditCommand& each : {first, command})
+    reference::applyEdits(twin, lowerEdits({&each, 1}, kSize, twin.lattice(), header.profile));
+  EXPECT_EQ(contentHash(volume), contentHash(twin));
 }
 
 // The copy is completed now and then, so that little is missing: not at every look, and soon when much is.
