@@ -17,6 +17,8 @@
 #include "apps/held/chosen_device.hpp"
 #include "base/error.hpp"
 #include "engine/gpu/gpu.hpp"
+#include "service/sandbox/call_filter.hpp"
+#include "service/sandbox/file_fence.hpp"
 #include "servo/devices/force_off.hpp"
 #include "servo/devices/registry.hpp"
 
@@ -55,6 +57,7 @@ class Doctor {
     chooseKind();
     openDevice();
     lookAtLimits();
+    lookAtRights();
     lookAtVulkan();
     tryIt();
     conclude();
@@ -169,6 +172,21 @@ class Doctor {
                  : fmt::format("the servo gets no real-time priority (rtprio {}), so ticks will be late",
                                priority.rlim_cur),
          allowed ? "give the container or unit the right to it (CAP_SYS_NICE)" : kHowToRealTime);
+  }
+
+  // Of a servo in a process of its own (palpate servo, --service); no force depends on it.
+  void lookAtRights() {
+    const bool has_filters = hasCallFilters(), has_fence = landlockVersion() > 0;
+    if (has_filters && has_fence)
+      return find(State::kGood, "rights",
+                  "a servo's own process gives up files and system calls that it has no use for");
+    find(State::kNote, "rights",
+         fmt::format("this kernel lets a servo's own process give up {}",
+                     has_filters ? "system calls, but no files (it lacks Landlock)"
+                     : has_fence ? "files, but no system calls (it lacks seccomp)"
+                                 : "neither files nor system calls (it lacks Landlock and seccomp)"),
+         "take a kernel that has both, as Debian's, with landlock in /sys/kernel/security/lsm; forces do not depend on "
+         "it");
   }
 
   void lookAtVulkan() {

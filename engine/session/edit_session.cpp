@@ -170,8 +170,12 @@ void EditSession::holdBack() {
 // written any more.
 void EditSession::handOver(std::size_t most, Then then) {
   try {
-    if (engine_ != nullptr) std::ranges::move(engine_->takeChanged(most), std::back_inserter(held_back_));
-    std::vector<BrickContent> bricks = std::exchange(held_back_, {});
+    if (!held_back_.empty()) {  // whole by itself, whatever becomes of the rest
+      saver_->give(std::exchange(held_back_, {}), BackgroundSaver::Completes::kVersion);
+      return;
+    }
+    std::vector<BrickContent> bricks;
+    if (engine_ != nullptr) bricks = engine_->takeChanged(most);
     const std::uint64_t version = engine_ != nullptr ? engine_->editVersion() : left_version_;
     const bool complete = changedBricks() == 0;
     if (complete && then == Then::kErrand) {

@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 
 #include "emulated_program.hpp"
+#include "service/sandbox/call_filter.hpp"
+#include "service/sandbox/file_fence.hpp"
 
 namespace palpate {
 namespace hid_doctor_test {
@@ -32,6 +34,9 @@ TEST_F(HidDoctor, SaysThatForcesAreOn) {
   EXPECT_GT(json()["trial"]["device"]["reports_received"], 3);
   EXPECT_EQ(json()["trial"]["failed_share"], 0);
   EXPECT_EQ(json()["hid"][0]["usage"], "ffab:0200");
+  const bool has_both = hasCallFilters() && landlockVersion() > 0;
+  EXPECT_THAT(outcome.out, HasSubstr(has_both ? "a servo's own process gives up files and system calls"
+                                              : "this kernel lets a servo's own process give up"));
 }
 
 TEST_F(HidDoctor, NamesEachReasonForNoForce) {
