@@ -91,15 +91,17 @@ std::string commitOfPrograms() {
   return words.substr(begin, words.find(')') - begin);
 }
 
+SculptRequest withServosProcess() {
+  SculptRequest request{.volume = kBall};
+  request.device.service = true;
+  request.commit = commitOfPrograms();
+  return request;
+}
+
 // With the servo in this process, and in one of its own.
 class SculptSessions : public testing::TestWithParam<bool> {
  protected:
-  static SculptRequest request() {
-    SculptRequest request{.volume = kBall};
-    request.device.service = GetParam();
-    if (GetParam()) request.commit = commitOfPrograms();
-    return request;
-  }
+  static SculptRequest request() { return GetParam() ? withServosProcess() : SculptRequest{.volume = kBall}; }
 };
 INSTANTIATE_TEST_SUITE_P(Servo, SculptSessions, testing::Bool(),
                          [](const auto& one) { return one.param ? "InItsOwnProcess" : "Here"; });
@@ -237,10 +239,7 @@ TEST_P(SculptSessions, IsFeltAsItIsSet) {
 
 // Killed: the window says so, and what was edited can still be undone and saved.
 TEST(SculptSession, OutlivesItsServosProcess) {
-  SculptRequest asked{.volume = kBall};
-  asked.device.service = true;
-  asked.commit = commitOfPrograms();
-  Person person(asked);
+  Person person(withServosProcess());
   ASSERT_TRUE(person.seesAll());
   person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
   ASSERT_TRUE(person.presses([&] { return person.look().edits.edits >= 1; }));
@@ -262,10 +261,7 @@ TEST(SculptSession, OutlivesItsServosProcess) {
 
 // The session is closed while the engine still has work: it is done, by one thread, and what is saved has every edit.
 TEST(SculptSession, IsClosedInGoodOrderAfterItsServosDeath) {
-  SculptRequest asked{.volume = kBall};
-  asked.device.service = true;
-  asked.commit = commitOfPrograms();
-  Person person(asked);
+  Person person(withServosProcess());
   ASSERT_TRUE(person.seesAll());
   person.session.press(toolBrush({.radius_m = 3e-3, .strength = 1}, {}));
   ASSERT_TRUE(person.presses([&] { return person.look().edits.edits >= 20; }));
