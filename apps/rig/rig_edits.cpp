@@ -41,7 +41,7 @@ class RigEdits::Promise {
 bool RigEdits::askFor(const char* what, Done done, std::function<void(std::int64_t now_ns)> change) {
   const auto promise = std::make_shared<Promise>(std::move(done));
   const bool asked = ask([this, what, promise, change = std::move(change)](std::int64_t now_ns) {
-    last_stroke_ns_.reset();
+    in_a_stroke_ = false;
     if (tryTo(
             what, [&] { change(now_ns); }, promise.get()))
       promise->keep({});
@@ -66,10 +66,10 @@ bool RigEdits::goTo(std::size_t done) {
   return ask([this, done](std::int64_t now_ns) { stepTowards(done, now_ns); });
 }
 bool RigEdits::setBrush(const ToolBrushSpec& brush) {
-  return ask([this, brush](std::int64_t) { hold(brush); });
+  return ask([this, brush](std::int64_t) { hold(brush, Pauses::kBelongToIt); });
 }
 bool RigEdits::dropBrush() {
-  return ask([this](std::int64_t) { brush_.reset(); });
+  return ask([this](std::int64_t) { brush_.reset(); }, Room::kAlways);
 }
 bool RigEdits::errand(BackgroundSaver::Errand errand) {
   return ask([this, errand = std::move(errand)](std::int64_t) mutable { session_.ask(std::move(errand)); });
@@ -79,15 +79,17 @@ void RigEdits::follow(std::vector<ScheduledBrush> brushes) {
   scheduled_.assign(brushes.begin(), brushes.end());
 }
 
-void RigEdits::hold(const std::optional<ToolBrushSpec>& brush) {
-  last_stroke_ns_.reset();
+void RigEdits::hold(const std::optional<ToolBrushSpec>& brush, Pauses pauses) {
+  pauses_ = pauses;
+  away_since_ns_.reset();
+  in_a_stroke_ = false;
   brush_.reset();
   if (brush) brush_.emplace(*brush, size_, lattice_);
 }
 
 void RigEdits::stepTowards(std::size_t done, std::int64_t now_ns) {
   brush_.reset();
-  last_stroke_ns_.reset();
+  in_a_stroke_ = false;
   const EditHistory& history = session_.history();
   if (done == history.done()) return;
   const bool stepped = done < history.done() ? tryTo("undo", [&] { session_.undo(now_ns); })
@@ -97,21 +99,35 @@ void RigEdits::stepTowards(std::size_t done, std::int64_t now_ns) {
   waiting_.emplace_front([this, done](std::int64_t later_ns) { stepTowards(done, later_ns); });
 }
 
+// A busy engine looks seldom: the time between two looks, or two edits, at the surface is no pause.
+bool RigEdits::endsAStroke(const ToolPose& pose, std::int64_t now_ns) {
+  if (pauses_ == Pauses::kBelongToIt) return false;
+  const bool was_long_away =
+      away_since_ns_ && static_cast<double>(now_ns - *away_since_ns_) >= kStrokePause_s * kNanosecondsPerSecond;
+  if (!pose.normal_W.isZero(0)) {
+    away_since_ns_.reset();
+  } else if (!away_since_ns_) {
+    away_since_ns_ = now_ns;
+  }
+  return was_long_away;
+}
+
 void RigEdits::stroke(const ToolPose& pose, std::int64_t now_ns) {
+  if (endsAStroke(pose, now_ns)) in_a_stroke_ = false;
   const std::vector<EditCommand> commands = brush_->dueStroke(pose, now_ns);
   if (commands.empty()) return;
-  const bool goes_on =
-      last_stroke_ns_ && static_cast<double>(now_ns - *last_stroke_ns_) < kStrokePause_s * kNanosecondsPerSecond;
-  if (tryTo("an edit", [&] { session_.edit(commands, now_ns, goes_on ? UndoStep::kLast : UndoStep::kNew); })) {
-    last_stroke_ns_ = now_ns;
+  const UndoStep step = in_a_stroke_ ? UndoStep::kLast : UndoStep::kNew;
+  if (tryTo("an edit", [&] { session_.edit(commands, now_ns, step); })) {
+    in_a_stroke_ = true;
   } else {
     brush_->refused();
   }
 }
 
-bool RigEdits::ask(Request request) {
+bool RigEdits::ask(Request request, Room room) {
   const std::lock_guard lock(mutex_);
-  if (has_ended_ || (!state_.editing && !outlives_its_engine_) || waiting_.size() >= kMostWaiting) return false;
+  if (has_ended_ || (!state_.editing && !outlives_its_engine_)) return false;
+  if (waiting_.size() >= kMostWaiting && room == Room::kAsUsual) return false;
   waiting_.push_back(std::move(request));
   return true;
 }
@@ -159,7 +175,7 @@ void RigEdits::doWaiting(std::int64_t now_ns) {
 void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   if (const Request request = next()) request(now_ns);
   for (; !scheduled_.empty() && pose.tick >= scheduled_.front().tick; scheduled_.pop_front())
-    hold(scheduled_.front().brush);
+    hold(scheduled_.front().brush, Pauses::kEndAStroke);
   if (brush_) stroke(pose, now_ns);
   session_.feedSaver(now_ns);
   listen();

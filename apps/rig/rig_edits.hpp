@@ -43,10 +43,12 @@ class RigEdits {
   bool redo(Done done = {});
   // Undoes or redoes, one at each look, until so many of State::steps are in effect. Drops the brush first.
   bool goTo(std::size_t done);
-  // A brush for the tool. Its strokes are undone as one, unless it was away from the surface for kStrokePause_s.
+  // A brush for the tool. All that it does is undone as one, until it is dropped or another change comes between.
   bool setBrush(const ToolBrushSpec& brush);
-  bool dropBrush();
-  // Before a run: from these ticks on the tool holds these brushes, or none. The ticks ascend. A scripted session's.
+  bool dropBrush();  // also where too many requests wait
+  // Before a run: from these ticks on the tool holds these brushes, or none. The ticks ascend. A scripted session's, in
+  // which nobody lets go of a brush: a stroke ends, too, when the tool has been away from the surface for
+  // kStrokePause_s.
   struct ScheduledBrush {
     std::int64_t tick = 0;
     std::optional<ToolBrushSpec> brush;
@@ -92,9 +94,12 @@ class RigEdits {
 
  private:
   using Request = std::function<void(std::int64_t now_ns)>;
-  bool ask(Request request);
+  enum class Room { kAsUsual, kAlways };
+  bool ask(Request request, Room room = Room::kAsUsual);
   [[nodiscard]] Request next();
-  void hold(const std::optional<ToolBrushSpec>& brush);
+  enum class Pauses { kEndAStroke, kBelongToIt };
+  void hold(const std::optional<ToolBrushSpec>& brush, Pauses pauses);
+  [[nodiscard]] bool endsAStroke(const ToolPose& pose, std::int64_t now_ns);
   void stroke(const ToolPose& pose, std::int64_t now_ns);
   void stepTowards(std::size_t done, std::int64_t now_ns);
   void noteState();  // the caller holds the lock
@@ -118,7 +123,9 @@ class RigEdits {
   const Lattice lattice_;
   const Tell tell_;
   std::optional<ToolBrush> brush_;
-  std::optional<std::int64_t> last_stroke_ns_;  // of this brush, since the last other change
+  Pauses pauses_ = Pauses::kBelongToIt;
+  bool in_a_stroke_ = false;                   // the last change was this brush's
+  std::optional<std::int64_t> away_since_ns_;  // the first look that saw it away from the surface
   std::deque<ScheduledBrush> scheduled_;
   std::vector<Trouble> troubles_;
   bool journal_failed_ = false;

@@ -43,6 +43,25 @@ class Edits : public testing::Test {
     while (volume.value(at_L.array().round().cast<int>()) > kIsovalue) at_L.x() += 1;
     return volume.lattice().toWorld(at_L - Vec3(2, 0, 0));
   }
+  void touch() {
+    pose_.position_W = tool_W();
+    pose_.normal_W = Vec3::UnitX();
+    pose_.at_surface = true;
+  }
+  void stroke(int looks) {
+    for (int i = 0; i < looks; ++i) {
+      pose_.position_W.z() += 1e-4;
+      look();
+    }
+  }
+  // Two looks away from the surface; from the first to the next at the surface it is so long.
+  void awayFor(std::int64_t ns) {
+    pose_.normal_W = Vec3::Zero();
+    look();
+    now_ns_ += ns - 2'000'000;
+    look();
+    pose_.normal_W = Vec3::UnitX();
+  }
   void look() { edits.look(pose_, now_ns_ += 1'000'000); }
   [[nodiscard]] std::uint64_t hash() {
     engine.readBack(volume);
@@ -174,17 +193,10 @@ TEST_F(Edits, OfTheToolFollowTheBrushesOfAScript) {
   EXPECT_GT(made[39], made[29] + 4);
 }
 
-// A stroke is undone as one: it ends with its brush, with another edit, undo or redo, and with a pause.
+// A stroke is undone as one, however long it rests or leaves the surface: it ends with its brush, and with another
+// edit, undo or redo.
 TEST_F(Edits, OfAStrokeAreUndoneAsOne) {
-  const auto stroke = [&](int looks) {
-    for (int i = 0; i < looks; ++i) {
-      pose_.position_W.z() += 1e-4;
-      look();
-    }
-  };
-  pose_.position_W = tool_W();
-  pose_.normal_W = Vec3::UnitX();
-  pose_.at_surface = true;
+  touch();
   const ToolBrushSpec spec = toolBrushSpec("remove:radius=1mm");
   const std::uint64_t before = hash();
   edits.setBrush(spec);
@@ -195,23 +207,47 @@ TEST_F(Edits, OfAStrokeAreUndoneAsOne) {
   edits.setBrush(spec);
   stroke(30);
   EXPECT_EQ(edits.state().done, 2U);
-  now_ns_ += 600'000'000;  // longer than kStrokePause_s
+  now_ns_ += 600'000'000;  // longer than kStrokePause_s: a busy engine
   stroke(30);
-  EXPECT_EQ(edits.state().done, 3U);
+  EXPECT_EQ(edits.state().done, 2U);
+  awayFor(1'000'000'000);
+  stroke(30);
+  EXPECT_EQ(edits.state().done, 2U);
   edits.edit(dab(EditKind::kAdd));
   stroke(30);
-  EXPECT_EQ(edits.state().done, 5U);  // the dab, and what came after it
+  EXPECT_EQ(edits.state().done, 4U);  // the dab, and what came after it
   edits.dropBrush();
   look();
-  for (int i = 0; i < 4; ++i) edits.undo();
-  stroke(4);
+  for (int i = 0; i < 3; ++i) edits.undo();
+  stroke(3);
   EXPECT_EQ(edits.state().done, 1U);
-  EXPECT_EQ(edits.state().steps.size(), 5U);
+  EXPECT_EQ(edits.state().steps.size(), 4U);
   EXPECT_EQ(hash(), once);
   edits.undo();
   look();
   EXPECT_EQ(hash(), before);
   EXPECT_EQ(edits.state().content_version, engine.editVersion());
+}
+
+// Of a scripted session: nobody lets go of the brush, and half a second away from the surface ends a stroke; time at
+// the surface in which nothing was due, or nobody looked, does not.
+TEST_F(Edits, OfAScriptEndWithAPauseAwayFromTheSurface) {
+  edits.follow({{0, toolBrushSpec("remove:radius=1mm")}});
+  touch();
+  pose_.tick = 0;
+  stroke(30);
+  ASSERT_EQ(edits.state().done, 1U);
+  now_ns_ += 2'000'000'000;
+  stroke(30);
+  EXPECT_EQ(edits.state().done, 1U);
+  awayFor(499'999'999);
+  stroke(30);
+  EXPECT_EQ(edits.state().done, 1U);
+  awayFor(500'000'000);
+  stroke(30);
+  EXPECT_EQ(edits.state().done, 2U);
+  stroke(30);
+  EXPECT_EQ(edits.state().done, 2U);
 }
 
 // To any place of the list, a step at a look, and back; a step that does not exist changes nothing.
