@@ -13,7 +13,7 @@
 #include "apps/console/message.hpp"
 #include "apps/serve/served_status.hpp"
 #include "apps/serve/service_client.hpp"
-#include "apps/serve/service_place.hpp"
+#include "service/channel/usual_socket.hpp"
 #include "verbs.hpp"
 
 namespace palpate {

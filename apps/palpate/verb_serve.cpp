@@ -21,6 +21,7 @@
 #include "apps/supervise/supervisor.hpp"
 #include "base/error.hpp"
 #include "scene_arguments.hpp"
+#include "service/channel/usual_socket.hpp"
 #include "verbs.hpp"
 #include "version.hpp"
 

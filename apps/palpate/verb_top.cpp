@@ -14,10 +14,10 @@
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
 #include "apps/serve/service_client.hpp"
-#include "apps/serve/service_place.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/units.hpp"
+#include "service/channel/usual_socket.hpp"
 #include "servo/safety/faults.hpp"
 #include "verbs.hpp"
 

@@ -17,10 +17,11 @@ constexpr std::uint64_t kNoPieces = ~std::uint64_t{0};  // of a picture that not
 LiveView::LiveView(double frame_s, double piece_s)
     : frame_ns_(static_cast<std::int64_t>(1e9 * frame_s)), piece_s_(piece_s) {}
 
-void LiveView::show(const ViewRequest& request) {
+std::uint64_t LiveView::show(const ViewRequest& request) {
   const std::scoped_lock lock(mutex_);
-  request_ = request;
+  request_ = Numbered{++requests_, request};
   failure_.clear();
+  return requests_;
 }
 
 std::string LiveView::failure() const {
@@ -50,7 +51,7 @@ bool LiveView::lookOrThrow(Engine& engine, std::int64_t now_ns) {
   if (!engine.pollPicture()) return true;
   const PictureState state = engine.pictureState();
   if (!shown_ || state.showable) {
-    std::optional<ViewRequest> wanted = takeRequest();
+    std::optional<Numbered> wanted = takeRequest();
     if (shown_) handOver(engine, state, now_ns, wanted.has_value());
     if (!wanted && shown_ && engine.isovalue() != isovalue_) wanted = shown_;
     if (wanted) {
@@ -62,11 +63,13 @@ bool LiveView::lookOrThrow(Engine& engine, std::int64_t now_ns) {
 }
 
 // What is refused leaves the picture that is shown; it is still kept up to date.
-void LiveView::tryToShow(Engine& engine, const ViewRequest& wanted) {
+void LiveView::tryToShow(Engine& engine, const Numbered& wanted) {
+  const ViewRequest& request = wanted.request;
   try {
-    engine.show(wanted.camera, wanted.style, wanted.order);
+    engine.show(request.camera, request.style, request.order);
     shown_ = wanted;
     is_handed_ = false;
+    pieces_ = kNoPieces;  // also where all of it is drawn already, for another request
   } catch (const Error& error) {
     if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
     const std::scoped_lock lock(mutex_);
@@ -74,7 +77,7 @@ void LiveView::tryToShow(Engine& engine, const ViewRequest& wanted) {
   }
 }
 
-std::optional<ViewRequest> LiveView::takeRequest() {
+std::optional<LiveView::Numbered> LiveView::takeRequest() {
   const std::scoped_lock lock(mutex_);
   if (request_) failure_.clear();
   return std::exchange(request_, std::nullopt);
@@ -90,7 +93,8 @@ void LiveView::handOver(Engine& engine, const PictureState& state, std::int64_t 
   ViewFrame& frame = frames_.back();
   engine.copyPicture(frame.pixels);
   frame.number = ++number_;
-  frame.camera = shown_->camera;
+  frame.request = shown_->number;
+  frame.camera = shown_->request.camera;
   frame.edit_version = state.version;
   frame.fine = state.fine;
   frame.whole = state.whole;

@@ -9,8 +9,8 @@
 // Another isovalue, or a style that was not drawn before, is made ready at once, and no window comes meanwhile: some
 // ten milliseconds for a CT head, and longer where the driver compiles.
 //
-// Threads: show() from any thread, latest() from one reader, look() and rest() from the engine's thread. No call waits for another
-// but for the length of a copied request.
+// Threads: show() from any thread, latest() from one reader, look() and rest() from the engine's thread. No call waits
+// for another but for the length of a copied request.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@
 
 #include "base/camera.hpp"
 #include "engine/draw/draw_style.hpp"
+#include "service/memory/view_frame.hpp"
 #include "servo/window/triple_buffer.hpp"
-#include "shaders/draw.layout.h"
 
 namespace palpate {
 
@@ -35,15 +35,6 @@ struct ViewRequest {
   bool operator==(const ViewRequest&) const = default;
 };
 
-struct ViewFrame {
-  std::uint64_t number = 0;                  // from 1; 0: nothing is drawn yet
-  Camera camera;                             // that the pixels belong to
-  std::vector<layout::PicturePixel> pixels;  // rows from the top
-  std::uint64_t edit_version = 0;            // every edit up to this one is seen
-  bool fine = false;                         // at full quality
-  bool whole = false;                        // and of the volume as it was when the frame was handed over
-};
-
 class LiveView {
  public:
   // Two frames that differ only in how fine they are come this many frames apart.
@@ -52,8 +43,9 @@ class LiveView {
   // device time of a piece of work. A window of samples for the servo waits for no more than one piece.
   explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 1.2e-3);
 
-  // What is to be seen from now on; the newest request counts.
-  void show(const ViewRequest& request);
+  // What is to be seen from now on; the newest request counts. A frame of it comes, even if nothing has changed. Returns
+  // its number, from 1.
+  std::uint64_t show(const ViewRequest& request);
   // The newest frame; valid until the next call.
   [[nodiscard]] const ViewFrame& latest() noexcept { return frames_.latest(); }
   // Why nothing is drawn any more, or why the last request is not shown; empty: it is. The servo goes on.
@@ -67,17 +59,22 @@ class LiveView {
   bool look(Engine& engine, std::int64_t now_ns) noexcept;
 
  private:
+  struct Numbered {
+    std::uint64_t number = 0;
+    ViewRequest request;
+  };
   bool lookOrThrow(Engine& engine, std::int64_t now_ns);
-  void tryToShow(Engine& engine, const ViewRequest& wanted);
-  [[nodiscard]] std::optional<ViewRequest> takeRequest();
+  void tryToShow(Engine& engine, const Numbered& wanted);
+  [[nodiscard]] std::optional<Numbered> takeRequest();
   void handOver(Engine& engine, const PictureState& state, std::int64_t now_ns, bool last);
 
   const std::int64_t frame_ns_;
   const double piece_s_;
-  mutable std::mutex mutex_;            // guards the next two
-  std::optional<ViewRequest> request_;  // the newest one that was not taken
+  mutable std::mutex mutex_;         // guards the next three
+  std::uint64_t requests_ = 0;       // so far
+  std::optional<Numbered> request_;  // the newest one that was not taken
   std::string failure_;
-  std::optional<ViewRequest> shown_;
+  std::optional<Numbered> shown_;
   double isovalue_ = 0;  // of what is shown
   // Of the newest frame:
   std::uint64_t pieces_ = 0;

@@ -11,11 +11,12 @@
 
 namespace palpate {
 
-ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue, std::optional<ForceOff> held) {
+ForceWords forceWords(const TickRecord& tick, const std::string& missing, double isovalue,
+                      std::optional<ForceOff> held) {
   ForceWords words;
-  if (!runs) {
+  if (!missing.empty()) {
     words.state = "the servo is not running";
-    words.reasons.emplace_back("the servo has ended: open the volume again");
+    words.reasons.push_back(missing);
     return words;
   }
   if (tick.tick < 0) {

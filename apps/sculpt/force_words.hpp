@@ -16,9 +16,9 @@ struct ForceWords {
   std::vector<std::string> reasons;  // why there is no force, or less than there would be, each with its remedy
 };
 
-// `tick`: the newest; tick -1: the servo has not begun. `runs`: whether the servo does. Of a
-// device that a person holds, `held`: why it exerts no force, if it does not; empty: a pointer leads the tool.
-[[nodiscard]] ForceWords forceWords(const TickRecord& tick, bool runs, double isovalue,
+// `tick`: the newest; tick -1: the servo has not begun. `missing`: why no servo runs, and what to do; empty: one does.
+// Of a device that a person holds, `held`: why it exerts no force, if it does not; empty: a pointer leads the tool.
+[[nodiscard]] ForceWords forceWords(const TickRecord& tick, const std::string& missing, double isovalue,
                                     std::optional<ForceOff> held = {});
 
 }  // namespace palpate

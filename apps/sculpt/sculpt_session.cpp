@@ -13,6 +13,7 @@
 #include "apps/servo_side/remote_servo.hpp"
 #include "apps/servo_side/servo_process.hpp"
 #include "base/error.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/service/engine.hpp"
 #include "servo/devices/registry.hpp"
 
@@ -183,6 +184,7 @@ SculptState SculptSession::look() {
   SculptState state;
   state.edits = live_->edits().state();
   state.running = rig_->running();
+  state.missing_servo = "the servo has ended: open the volume again";
   state.force_off = theDevice().forceOff();
   state.can_edit = rig_->engineWorks() && state.edits.editing;
   if (remote_ && remote_->isGone() && !closed_ && !std::exchange(told_its_end_, true))

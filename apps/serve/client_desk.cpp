@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <utility>
 #include <vector>
@@ -13,12 +14,14 @@
 #include <unistd.h>
 
 #include "apps/serve/live_setting.hpp"
+#include "apps/servo_side/wire_settings.hpp"
 #include "apps/view/picture_png.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/units.hpp"
 #include "engine/edit/edit_text.hpp"
+#include "engine/session/tool_brush.hpp"
 
 namespace palpate {
 namespace {
@@ -65,6 +68,20 @@ wire::AnswerT answerOf(std::uint64_t number, const std::optional<Error>& refusal
   return words;
 }
 
+// Throws Error(kBadInput) for a word that is no whole number.
+std::uint64_t countOf(const std::string& word) {
+  std::uint64_t count = 0;
+  const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), count);
+  if (problem != std::errc() || end != word.data() + word.size() || word.empty())
+    refuse("the question", fmt::format("'{}' is no number of edits", word), "ask with 'palpate sculpt --connect'");
+  return count;
+}
+
+Onlooker& onlookerOf(const std::shared_ptr<Onlooker>& onlooker) {
+  if (!onlooker) refuse("the question", "it is one of a client who looks on", "ask to look on first");
+  return *onlooker;
+}
+
 void checkAbsolute(const std::string& file) {
   if (!file.starts_with('/')) refuse(file, "the service writes files whose whole path is named", "begin it with '/'");
 }
@@ -105,6 +122,7 @@ bool ClientDesk::round(int most_ms) {
     if (!why.empty())
       tellOfClient(
           fmt::format("client {} (process {}) is dropped: {}", client->number, client->channel.peer().process, why));
+    letGo(*client);
     client = clients_.erase(client);
   }
   accept();
@@ -175,6 +193,7 @@ void ClientDesk::greet(Client& client, const wire::HelloT& hello) {
 
 void ClientDesk::take(Client& client, const wire::AskT& ask) {
   if (ask.verb == wire::Verb::Status) return askForStatus(ask, client);
+  if (ask.verb == wire::Verb::LookOn || ask.verb == wire::Verb::Look) return letLookOn(ask, client);
   const Answer done = answerTo(client, ask);
   if (client.open > kMostOpen) {
     done(Error(Error::Code::kOutOfMemory, "the question", fmt::format("{} others are not answered yet", kMostOpen),
@@ -241,7 +260,15 @@ void ClientDesk::flush() {
 void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& client) {
   switch (ask.verb) {
     case wire::Verb::Status:
+    case wire::Verb::LookOn:
+    case wire::Verb::Look:
       return;  // answered at once
+    case wire::Verb::Show:
+    case wire::Verb::Hold:
+    case wire::Verb::Release:
+    case wire::Verb::GoTo:
+    case wire::Verb::Change:
+      return askFromAWindow(ask, done, client);
     case wire::Verb::Get:
       checkWords(ask, 0, kMostEdits);
       return done({}, settingsText(served_.scene(), ask.words));
@@ -370,7 +397,60 @@ void ClientDesk::askForStatus(const wire::AskT& ask, Client& client) {
     words.figures.back()->value = value;
   }
   words.text = status.journal_failure;
-  if (!client.channel.send(encoded(std::move(words)), 0)) client.channel.close();
+  answerNow(client, std::move(words));
+}
+
+void ClientDesk::answerNow(Client& client, wire::AnswerT answer, int attached) {
+  if (!client.channel.send(encoded(std::move(answer)), 0, attached)) client.channel.close();
+}
+
+void ClientDesk::letLookOn(const wire::AskT& ask, Client& client) {
+  wire::AnswerT answer;
+  answer.number = ask.number;
+  try {
+    if (ask.verb == wire::Verb::LookOn) {
+      checkWords(ask, 0, 0);
+      letGo(client);
+      client.onlooker = served_.lookOn();
+      answer.facts = wireOf(served_.facts());
+      return answerNow(client, std::move(answer), client.onlooker->descriptor());
+    }
+    checkWords(ask, 0, 1);
+    std::optional<std::uint64_t> known;
+    if (!ask.words.empty()) known = countOf(ask.words[0]);
+    answer.looked = wireOf(served_.looked(onlookerOf(client.onlooker), known));
+  } catch (const Error& error) {
+    answer = answerOf(ask.number, error, {});
+  }
+  answerNow(client, std::move(answer));
+}
+
+void ClientDesk::askFromAWindow(const wire::AskT& ask, const Answer& done, Client& client) {
+  Onlooker& onlooker = onlookerOf(client.onlooker);
+  switch (ask.verb) {
+    case wire::Verb::Show:
+      served_.show(onlooker, viewOf(ask.view));
+      break;
+    case wire::Verb::Hold:
+      checkWords(ask, 1, 1);
+      served_.hold(client.onlooker, toolBrushSpec(ask.words[0]));
+      break;
+    case wire::Verb::Release:
+      served_.release(client.onlooker);
+      break;
+    case wire::Verb::GoTo:
+      checkWords(ask, 1, 1);
+      served_.goTo(countOf(ask.words[0]));
+      break;
+    default:
+      return served_.change(settingsOf(ask.settings),
+                            [done](const std::optional<Error>& refusal) { done(refusal, {}); });
+  }
+  done({}, {});
+}
+
+void ClientDesk::letGo(Client& client) {
+  if (client.onlooker) served_.leave(std::exchange(client.onlooker, nullptr));
 }
 
 }  // namespace palpate

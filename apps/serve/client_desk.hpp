@@ -13,6 +13,7 @@
 #include <deque>
 #include <functional>
 #include <list>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -55,6 +56,7 @@ class ClientDesk {
     bool has_spoken = false;
     std::size_t open = 0;
     AskingRate rate{kMostPerSecond, kMostAtOnce};
+    std::shared_ptr<Onlooker> onlooker = {};  // null: it does not look on
   };
   using Make = std::function<wire::AnswerT()>;
   struct Ready {
@@ -74,6 +76,11 @@ class ClientDesk {
   [[nodiscard]] Answer answerTo(Client& client, const wire::AskT& ask);
   void askFor(const wire::AskT& ask, const Answer& done, Client& client);
   void askForStatus(const wire::AskT& ask, Client& client);
+  void answerNow(Client& client, wire::AnswerT answer, int attached = -1);
+  // Those of a client who looks on; all but save are answered at once.
+  void letLookOn(const wire::AskT& ask, Client& client);
+  void askFromAWindow(const wire::AskT& ask, const Answer& done, Client& client);
+  void letGo(Client& client);
   enum class Takes { kNoTime, kLong };
   void inOrder(const Answer& done, const std::function<void()>& request, Takes takes = Takes::kNoTime);
   void askForEdit(const wire::AskT& ask, const Answer& done);

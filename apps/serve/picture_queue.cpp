@@ -15,24 +15,24 @@ void PictureQueue::ask(ViewRequest request, Done done) {
   waiting_.push_back({std::move(request), std::move(done)});
 }
 
-bool PictureQueue::drawOn(std::uint64_t edit_version) {
+bool PictureQueue::drawOn(std::uint64_t edit_version, bool may_begin) {
   if (!drawing_) {
+    if (!may_begin) return false;
     std::unique_lock lock(mutex_);
     if (waiting_.empty()) return false;
     drawing_ = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
-    from_frame_ = view_->latest().number;
     from_edits_ = edit_version;
     // Tile by tile: coarse pixels first, those that edits change would come before finer ones again and again.
     ViewRequest request = drawing_->request;
     request.order = DrawOrder::kWhole;
-    view_->show(request);
+    request_ = view_->show(request);
     return true;
   }
   const std::string failure = view_->failure();
   const ViewFrame& frame = view_->latest();
-  const bool is_whole = frame.number > from_frame_ && frame.fine && frame.edit_version >= from_edits_;
+  const bool is_whole = frame.request == request_ && frame.fine && frame.edit_version >= from_edits_;
   if (!is_whole && failure.empty()) return true;
   view_->rest();
   const Drawing drawn = std::move(*std::exchange(drawing_, std::nullopt));

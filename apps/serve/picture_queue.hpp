@@ -28,10 +28,10 @@ class PictureQueue {
 
   // For the rig, or whoever looks at it (LiveView::look): valid until startAgain().
   [[nodiscard]] LiveView& view() noexcept { return *view_; }
-  // At every look at the tool, after that of the view: begins the next picture and hands out one that is whole, with
-  // every edit up to `edit_version` when it began, and perhaps parts of later ones: edits that go on and on do not keep
-  // it from being done. Whether one is under way.
-  bool drawOn(std::uint64_t edit_version);
+  // At every look at the tool, after that of the view: begins the next picture, if `may_begin`, and hands out one that
+  // is whole, with every edit up to `edit_version` when it began, and perhaps parts of later ones: edits that go on and
+  // on do not keep it from being done. Whether one is under way.
+  bool drawOn(std::uint64_t edit_version, bool may_begin);
   // Nothing is drawn any more: whoever waits is told why. By the engine's thread, or after it.
   void giveUp(const std::string& why);
   // On another engine; the picture under way begins anew.
@@ -44,8 +44,9 @@ class PictureQueue {
   };
   std::optional<LiveView> view_{std::in_place};
   std::optional<Drawing> drawing_;
-  std::uint64_t from_edits_ = 0, from_frame_ = 0;  // what its frame must come after
-  std::mutex mutex_;                               // guards the next
+  std::uint64_t from_edits_ = 0;  // that its frame shows
+  std::uint64_t request_ = 0;     // its number in the view
+  std::mutex mutex_;              // guards the next
   std::deque<Drawing> waiting_;
 };
 

@@ -21,6 +21,7 @@
 #include "apps/supervise/service_notify.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
+#include "service/channel/usual_socket.hpp"
 
 namespace palpate {
 namespace {

@@ -112,6 +112,7 @@ void ServedEngine::noteFelt(const Plan& plan) {
   const Volume& volume = live_->volume();
   scale_ = engine.filters() ? densityScaleOf(engine.filtered(volume.facts()), engine.isovalue())
                             : densityScaleOf(volume, engine.isovalue());
+  plan_ = planLines(plan, engine.planFacts());
   can_change_isovalue_ = plan.request.other_isovalues;
   gradient_everywhere_ = engine.gradientEverywhere();
 }

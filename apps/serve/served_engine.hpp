@@ -10,12 +10,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/live/live_volume.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/serve/kept_journal.hpp"
 #include "apps/servo_setup/rig_volume.hpp"
+#include "engine/plan/plan.hpp"
 
 namespace palpate {
 
@@ -46,6 +48,8 @@ class ServedEngine {
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
   [[nodiscard]] const SeenExtent& seen() const noexcept { return seen_; }  // of the object, as it was at first
   [[nodiscard]] const DensityScale& scale() const noexcept { return scale_; }
+  // What the engine computes, and what it leaves out.
+  [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept { return plan_; }
   [[nodiscard]] bool canChangeIsovalue() const noexcept { return can_change_isovalue_; }
   [[nodiscard]] bool gradientEverywhere() const noexcept { return gradient_everywhere_; }
 
@@ -59,6 +63,7 @@ class ServedEngine {
   Lattice lattice_;
   SeenExtent seen_;
   DensityScale scale_;
+  std::vector<PlanLine> plan_;
   bool can_change_isovalue_ = true, gradient_everywhere_ = false;
 };
 

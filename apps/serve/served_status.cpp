@@ -39,6 +39,7 @@ constexpr StatusFigure kFigures[] = {
        return s.pose.tick < 0 ? 0.0 : static_cast<double>(now_ns - s.pose_at_ns) / kNanosecondsPerMillisecond;
      }},
     {"force_N", "force that the device was sent last [N]", false, [](S s, std::int64_t) { return s.pose.force_W.norm(); }},
+    {"force_off", "1 while the device exerts no force, whatever it is sent", false, [](S s, std::int64_t) { return s.servo && s.force_off != ForceOff::kNone ? 1.0 : 0.0; }},
     {"contact", "1 while the tool is in contact", false, [](S s, std::int64_t) { return s.pose.normal_W.isZero(0) ? 0.0 : 1.0; }},
     {"faults", "fault bits of the newest pose (palpate faults)", false, [](S s, std::int64_t) { return static_cast<double>(s.pose.faults); }},
     {"windows", "windows that the servo has read", true, [](S s, std::int64_t) { return number(s.windows); }},

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "servo/devices/force_off.hpp"
 #include "servo/window/tool_pose.hpp"
 
 namespace palpate {
@@ -19,6 +20,7 @@ struct ServedStatus {
   std::uint64_t servos = 0;                         // that have come so far
   std::int64_t servo_process = 0;                   // of the newest one; 0: none
   ToolPose pose;                                    // of the newest one; tick -1: none
+  ForceOff force_off = ForceOff::kNone;             // why its device exerts none
   std::int64_t pose_at_ns = 0;                      // when it was seen (CLOCK_MONOTONIC)
   std::uint64_t windows = 0;                        // that the servo has read, as its poses say
   std::array<std::uint64_t, 32> faults_begun = {};  // by bit (servo/safety/faults.hpp): as poses were seen to show them

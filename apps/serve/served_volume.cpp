@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/convert/convert_job.hpp"
+#include "apps/held/held_device.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/serve/flat_heap.hpp"
 #include "apps/servo_setup/scene_device.hpp"
@@ -38,6 +39,11 @@ Scene withUsual(Scene scene) {
   return scene;
 }
 
+Error tooManyWait(const char* what) {
+  return {Error::Code::kOutOfMemory, what, "too many edits wait, or editing has ended",
+          "ask again when others are done"};
+}
+
 Error hasEnded() {
   return {Error::Code::kCancelled, "the engine", "it has ended", "start the service again, and ask again"};
 }
@@ -57,7 +63,7 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
   profile_ = live.engine().profile();
   box_ = boxOf(lattice_, size_);
   if (hasPath(first_scene_)) way_ = scriptedPath(first_scene_, VolumeSurface(live.volume(), first_isovalue_)).path;
-  seen_ = engine_->seen();
+  seen_volume_ = {first_scene_.volume, size_, lattice_, statisticsOf(live.volume()), engine_->seen()};
   window_samples_ = live.engine().windowCapacity();
   noteMemory(monotonicNow_ns());
 }
@@ -164,6 +170,7 @@ void ServedVolume::makeAnew() {
   if (!filter) noteLost();
   settle();
   pictures_.startAgain();
+  onlookers_.interrupt();
   Scene next = scene();
   std::optional<Error> refusal;
   if (filter) next.filter = *filter;
@@ -227,16 +234,19 @@ bool ServedVolume::attach(Channel channel, const wire::HelloT& hello) {
 void ServedVolume::greet(Channel channel, const wire::HelloT& hello) {
   nameThisThread("greeter");
   const std::int64_t process = channel.peer().process;
+  const Vec3 begins_there_W = way_ ? way_->position(0) : Vec3::Zero();  // until an onlooker's pointer leads it
   try {
-    auto servo =
-        std::make_unique<RemoteServo>(std::move(channel), RemoteServo::Request{.scene = first_scene_,
-                                                                               .box = box_,
-                                                                               .way = way_ ? &*way_ : nullptr,
-                                                                               .window_samples = window_samples_,
-                                                                               .commit = commit_,
-                                                                               .hello = &hello,
-                                                                               .patience_ms = kDevicePatience_ms,
-                                                                               .loop_patience_ms = kLoopPatience_ms});
+    auto servo = std::make_unique<RemoteServo>(std::move(channel),
+                                               RemoteServo::Request{.scene = first_scene_,
+                                                                    .box = box_,
+                                                                    .way = way_ ? &*way_ : nullptr,
+                                                                    .pointer = way_ ? &begins_there_W : nullptr,
+                                                                    .told_ticks = kOnlookRoom.ticks,
+                                                                    .window_samples = window_samples_,
+                                                                    .commit = commit_,
+                                                                    .hello = &hello,
+                                                                    .patience_ms = kDevicePatience_ms,
+                                                                    .loop_patience_ms = kLoopPatience_ms});
     const std::lock_guard lock(mutex_);
     status_.servo_process = process;
     next_ = std::move(servo);
@@ -277,12 +287,15 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   std::atomic<bool> is_broken{false};  // the engine, which a picture can have met while nothing is edited
   TouchRig rig(engine, *servo_, loop, RigVolume{.scale = engine_->scale()}, first, &live.edits());
   rig.drawFor(pictures_.view());
+  rig.keepTicks(kOnlookRoom.ticks);
   rig.start([&, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
     {
       const std::lock_guard lock(mutex_);
       notePose(status_, pose, first_version, now_ns);
+      status_.force_off = servo_->device().forceOff();
     }
-    static_cast<void>(lookAround());
+    lookForOnlookers(rig);
+    static_cast<void>(lookAround(now_ns));
     noteMemory(now_ns);
     if (engine.broken()) is_broken.store(true, std::memory_order_relaxed);
   });
@@ -366,15 +379,29 @@ void ServedVolume::lookAlone() {
   live.edits().look(ToolPose{}, now_ns);
   const bool draws = pictures_.view().look(live.engine(), now_ns);
   noteMemory(now_ns);
-  if (!lookAround() && !draws) std::this_thread::sleep_for(kIdle);
+  if (!lookAround(now_ns) && !draws) std::this_thread::sleep_for(kIdle);
 }
 
 // What is to be done at every look beside edits and windows. Whether more is to be drawn.
-bool ServedVolume::lookAround() {
+bool ServedVolume::lookAround(std::int64_t now_ns) {
   looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
   settle();
   const Engine& engine = engine_->live().engine();
-  return !engine.broken() && pictures_.drawOn(engine.editVersion());  // else by the next engine
+  if (engine.broken()) return false;  // drawn by the next one
+  const std::uint64_t version = engine.editVersion();
+  if (!pictures_.drawOn(version, onlookers_.mayBeInterrupted(version)))
+    return onlookers_.drawOn(pictures_.view(), version, now_ns);
+  onlookers_.interrupt();
+  return true;
+}
+
+// Their pointers lead the tool, unless a person holds the device.
+void ServedVolume::lookForOnlookers(TouchRig& rig) {
+  told_.clear();
+  rig.ticks().take(told_);
+  onlookers_.pass(told_);
+  const std::optional<Vec3> hip_W = onlookers_.takeAim();
+  if (hip_W && !isHeld(first_scene_)) servo_->aim(*hip_W);
 }
 
 void ServedVolume::noteMemory(std::int64_t now_ns) {
@@ -434,6 +461,73 @@ void ServedVolume::settle() {
   unwritten_.store(written_.size(), std::memory_order_relaxed);
 }
 
+std::shared_ptr<Onlooker> ServedVolume::lookOn() {
+  return onlookers_.add(kOnlookRoom);
+}
+
+void ServedVolume::leave(const std::shared_ptr<Onlooker>& one) {
+  onlookers_.remove(one);
+  release(one);
+}
+
+void ServedVolume::hold(const std::shared_ptr<Onlooker>& one, const ToolBrushSpec& brush) {
+  const std::lock_guard lock(holding_);
+  if (!edits().setBrush(brush)) throw tooManyWait("the brush");
+  holder_ = one;
+}
+
+void ServedVolume::release(const std::shared_ptr<Onlooker>& one) {
+  const std::lock_guard lock(holding_);
+  if (holder_.lock() != one) return;
+  static_cast<void>(edits().dropBrush());  // not taken: editing has ended
+  holder_.reset();
+}
+
+void ServedVolume::goTo(std::size_t done) {
+  if (!edits().goTo(done)) throw tooManyWait("a place in the list of edits");
+}
+
+void ServedVolume::change(const RigSettings& settings, Done done) {
+  const Scene present = scene();
+  Scene next = withRigSettings(present, settings);
+  if (settings.parameters.isovalue == wantedIsovalue(present)) next.isovalue = present.isovalue;
+  change(next, std::move(done));
+}
+
+ServedFacts ServedVolume::facts() const {
+  ServedFacts facts{.volume = seen_volume_,
+                    .device = first_scene_.device,
+                    .device_is_held = isHeld(first_scene_),
+                    .keeps_journal = keepsJournal(),
+                    .plan = {},
+                    .settings = settingsOf(scene())};
+  const std::lock_guard lock(engines_);
+  facts.plan = engine_->plan();
+  return facts;
+}
+
+Looked ServedVolume::looked(const Onlooker& one, const std::optional<std::uint64_t>& known) const {
+  Looked looked;
+  {
+    const std::lock_guard lock(mutex_);
+    looked.has_servo = status_.servo;
+    looked.force_off = status_.force_off;
+  }
+  const LiveVolume& live = engine_->live();
+  const RigEdits::Counts counts = live.edits().counts();
+  looked.has_steps = known != counts.edits;
+  if (looked.has_steps) {
+    looked.edits = live.edits().state();
+  } else {
+    static_cast<RigEdits::Counts&>(looked.edits) = counts;
+  }
+  looked.can_edit = counts.editing;
+  looked.settings = settingsOf(scene());
+  looked.drawing_failure = onlookers_.failure(one);
+  looked.journal_failure = live.journalFailure();
+  return looked;
+}
+
 // While the engine is being made anew all of these wait for the next one.
 void ServedVolume::edit(std::vector<EditCommand> commands, Done done) {
   edits().edit(std::move(commands), onDisk(std::move(done)));
@@ -452,8 +546,9 @@ void ServedVolume::render(int width, int height, PictureQueue::Done done) {
   RenderRequest request;
   request.width = width;
   request.height = height;
-  const double distance_m = fittingDistance(request, seen_);
-  pictures_.ask({.camera = frameCamera(request, seen_.middle_W, distance_m, 0), .style = {}}, std::move(done));
+  const double distance_m = fittingDistance(request, seen_volume_.object);
+  pictures_.ask({.camera = frameCamera(request, seen_volume_.object.middle_W, distance_m, 0), .style = {}},
+                std::move(done));
 }
 
 void ServedVolume::filter(const std::string& chain, Done done) {

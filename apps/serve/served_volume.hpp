@@ -25,9 +25,11 @@
 #include <thread>
 #include <vector>
 
+#include "apps/onlook/onlook_messages.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/serve/lost_engines.hpp"
+#include "apps/serve/onlookers.hpp"
 #include "apps/serve/picture_queue.hpp"
 #include "apps/serve/served_engine.hpp"
 #include "apps/serve/served_status.hpp"
@@ -79,6 +81,19 @@ class ServedVolume {
   // refused. Throws Error(kBadInput), and changes nothing, as TouchRig::change() does.
   void change(const Scene& scene, Done done);
   [[nodiscard]] ServedStatus status() const;
+
+  // A client looks on, until leave(): it has memory of its own, which it shares with the engine. The brush that it lets
+  // the tool hold is dropped when it leaves. Throws as Onlookers::add(), show() and change().
+  [[nodiscard]] std::shared_ptr<Onlooker> lookOn();
+  void leave(const std::shared_ptr<Onlooker>& one);
+  void show(Onlooker& one, ViewRequest wanted) { onlookers_.show(one, std::move(wanted)); }
+  void hold(const std::shared_ptr<Onlooker>& one, const ToolBrushSpec& brush);
+  void release(const std::shared_ptr<Onlooker>& one);  // the brush that it let the tool hold last
+  void goTo(std::size_t done);                         // RigEdits::goTo()
+  void change(const RigSettings& settings, Done done);
+  [[nodiscard]] ServedFacts facts() const;
+  // `known`: State::edits of the list of steps that the client has; empty: it has none.
+  [[nodiscard]] Looked looked(const Onlooker& one, const std::optional<std::uint64_t>& known) const;
   [[nodiscard]] const Vec3i& size() const noexcept { return size_; }
   [[nodiscard]] const Lattice& lattice() const noexcept { return lattice_; }
   [[nodiscard]] const BrushProfile& profile() const noexcept { return profile_; }  // of edits
@@ -93,7 +108,8 @@ class ServedVolume {
   void work();
   void feel(std::unique_ptr<RemoteServo> servo);
   void lookAlone();
-  bool lookAround();
+  bool lookAround(std::int64_t now_ns);
+  void lookForOnlookers(TouchRig& rig);
   void noteMemory(std::int64_t now_ns);
   void settle();
   void makeAnew();
@@ -123,8 +139,8 @@ class ServedVolume {
   BrushProfile profile_;
   VolumeBox box_;
   std::optional<SampledPath> way_;  // of a device that nobody holds
-  SeenExtent seen_;
   std::size_t window_samples_ = 0;
+  SeenVolume seen_volume_;  // for whoever looks on
   // Engine's thread:
   std::unique_ptr<RemoteServo> servo_;  // the last one, whose memory the engine may still write to
   std::unique_ptr<ServedEngine> engine_;
@@ -132,14 +148,19 @@ class ServedVolume {
   std::string servos_trouble_;  // why the last servo did not come to be; told once
   LostEngines lost_;
   PictureQueue pictures_;
+  Onlookers onlookers_;
+  std::vector<TickRecord> told_;  // to them; kept for its memory
   std::int64_t memory_at_ns_ = 0;
   std::atomic<std::uint64_t> unwritten_{0};  // length of written_
 
-  std::mutex engines_;    // guards the next, and what of engine_ depends on its filters
-  bool is_ready_ = true;  // false: the engine is being made anew
+  mutable std::mutex engines_;  // guards the next, and what of engine_ depends on its filters
+  bool is_ready_ = true;        // false: the engine is being made anew
 
   std::mutex changers_;  // guards the next; held while the rig takes a change
   TouchRig* rig_ = nullptr;
+
+  std::mutex holding_;              // guards the next
+  std::weak_ptr<Onlooker> holder_;  // whose brush the tool holds
 
   mutable std::mutex mutex_;  // guards what follows
   Scene scene_;

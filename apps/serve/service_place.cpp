@@ -2,51 +2,20 @@
 #include "apps/serve/service_place.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
-#include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include "base/error.hpp"
 #include "base/user_folders.hpp"
+#include "service/channel/usual_socket.hpp"
 
 namespace palpate {
-namespace {
-
-namespace fs = std::filesystem;
-
-}  // namespace
-
-std::string usualSocket() {
-  fs::path folder = runtimeFolder();
-  if (folder.empty()) folder = fmt::format("/tmp/palpate-{}", geteuid());
-  return (folder / "service.sock").string();
-}
 
 std::string socketOf(const Scene& scene) {
   return scene.service_socket.empty() ? usualSocket() : scene.service_socket;
 }
 
-void makeSocketFolder(const std::string& socket) {
-  const fs::path folder = fs::absolute(socket).parent_path();
-  std::error_code failed;
-  fs::create_directories(folder.parent_path(), failed);
-  if (mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST)
-    throw Error(Error::Code::kIo, folder.string(), fmt::format("it cannot be made ({})", std::strerror(errno)),
-                "name another socket with --socket");
-  struct stat facts {};
-  const bool is_known = lstat(folder.c_str(), &facts) == 0;
-  // In a folder that all may write to, somebody else may have been first.
-  if (socket == usualSocket() && (!is_known || !S_ISDIR(facts.st_mode) || facts.st_uid != geteuid()))
-    throw Error(Error::Code::kIo, folder.string(), "it is not this user's folder", "name another socket with --socket");
-}
-
 std::filesystem::path usualServiceJournal(const std::string& socket) {
-  const fs::path state = stateFolder();
+  const std::filesystem::path state = stateFolder();
   if (state.empty()) return {};
-  std::string name = fs::absolute(socket).lexically_normal().string();
+  std::string name = std::filesystem::absolute(socket).lexically_normal().string();
   std::ranges::replace(name, '/', '_');
   return state / "services" / name;
 }

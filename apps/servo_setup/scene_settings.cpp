@@ -90,6 +90,35 @@ RigSettings rigSettings(const Scene& scene, double isovalue) {
   return settings;
 }
 
+Scene withRigSettings(Scene scene, const RigSettings& settings) {
+  const AlgorithmParameters& p = settings.parameters;
+  scene.algorithm = settings.algorithm;
+  scene.isovalue = p.isovalue;
+  scene.stiffness_N_per_m = p.stiffness_N_per_m;
+  scene.damping_Ns_per_m = p.damping_Ns_per_m;
+  scene.plane_renewal_ticks = p.plane_renewal_ticks;
+  scene.force_limit_N = settings.force_limit_N;
+  const EffectParameters& e = settings.effects;
+  scene.force_shading = e.force_shading;
+  scene.recovery_s = e.recovery_s;
+  scene.texture = nameOfTexture(e.texture);
+  scene.texture_amplitude_m = e.texture_amplitude_m;
+  scene.texture_wavelength_m = e.texture_wavelength_m;
+  scene.texture_gain = e.texture_gain;
+  scene.friction_static = e.friction.static_ratio;
+  scene.friction_dynamic = e.friction.dynamic_ratio;
+  scene.friction_viscous_Ns_per_m = e.friction.viscous_Ns_per_m;
+  scene.stiffness_density.clear();
+  for (const StiffnessRow& row : e.stiffness_by_density) scene.stiffness_density.push_back({row.density, row.factor});
+  scene.haptization_density.clear();
+  for (const DensityRow& row : settings.haptization.density)
+    scene.haptization_density.push_back({row.density, row.force_N, row.viscosity_Ns_per_m});
+  scene.haptization_gradient.clear();
+  for (const GradientRow& row : settings.haptization.gradient)
+    scene.haptization_gradient.push_back({row.gradient_per_m, row.weight});
+  return scene;
+}
+
 double lackingDamping(const Scene& scene, const DeviceLimits& device) {
   if (!algorithmEntry(scene.algorithm).traits.shows_surface) return 0;
   double factor = scene.stiffness_density.empty() ? 1 : 0;

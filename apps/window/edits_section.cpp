@@ -26,6 +26,7 @@ void showEditsSection(WindowModel& model) {
     if (ImGui::Selectable(words.c_str(), done == edits.done)) model.session.goTo(done);
     if (done > edits.done) ImGui::PopStyleColor();
   };
+  const std::size_t older = model.state.older_steps;
   // A long list costs what is seen of it.
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(edits.steps.size()) + 1);
@@ -33,11 +34,12 @@ void showEditsSection(WindowModel& model) {
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
       const auto at = static_cast<std::size_t>(i);
       if (at == 0) {
-        row(0, "as it was opened");
+        row(0, older == 0 ? "as it was opened" : fmt::format("as it was opened, and {} more steps", older));
         continue;
       }
       const UndoLabel& step = edits.steps[at - 1];
-      row(at, fmt::format("{}  {}: {} {}", at, editName(step.kind), step.edits, step.edits == 1 ? "edit" : "edits"));
+      row(older + at, fmt::format("{}  {}: {} {}", older + at, editName(step.kind), step.edits,
+                                  step.edits == 1 ? "edit" : "edits"));
     }
   }
   ImGui::EndChild();

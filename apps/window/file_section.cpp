@@ -71,7 +71,7 @@ void toggleRecording(WindowModel& model) {
 }
 
 void showFileSection(WindowModel& model) {
-  const SculptVolume& volume = model.session.volume();
+  const SeenVolume& volume = model.session.volume();
   const std::string name = std::filesystem::path(volume.name).filename().string();
   ImGui::TextWrapped("%s%s", (name.empty() ? volume.name : name).c_str(), model.state.unsaved ? " *" : "");
   tip(volume.name + (model.state.unsaved ? "\n*: no file holds the last edits; the journal does" : ""));
@@ -79,7 +79,7 @@ void showFileSection(WindowModel& model) {
   mutedText(fmt::format("{} x {} x {} voxels, {:.0f} x {:.0f} x {:.0f} mm", volume.size.x(), volume.size.y(),
                         volume.size.z(), size_mm.x(), size_mm.y(), size_mm.z()));
   saveRow(model);
-  openRow(model);
+  if (model.session.canBeReplaced()) openRow(model);
   if (ImGui::Button("Picture", inRow(2))) model.wants_screenshot = true;
   tip("Writes a picture of the window into the current folder (F12)");
   ImGui::SameLine();

@@ -98,7 +98,7 @@ class Overlay {
 }  // namespace
 
 void showOverlay(const WindowModel& model, const PictureArea& area, double scale) {
-  const ViewFrame& frame = model.session.view().latest();
+  const ViewFrame& frame = model.session.frame();
   if (frame.number == 0 || model.tick.tick < 0) return;
   const TickRecord& tick = model.tick;
   const OverlayColours& colours = overlayColours();

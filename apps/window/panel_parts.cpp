@@ -9,8 +9,9 @@ constexpr float kLabel = 6.5F;  // width of a label [font size]
 }  // namespace
 
 ForceWords forceWordsOf(const WindowModel& model) {
-  const SculptSession& session = model.session;
-  return forceWords(model.tick, model.state.running, session.settings().parameters.isovalue,
+  const SculptSide& session = model.session;
+  return forceWords(model.tick, model.state.running ? "" : model.state.missing_servo,
+                    session.settings().parameters.isovalue,
                     session.deviceIsHeld() ? std::optional(model.state.force_off) : std::nullopt);
 }
 

@@ -2,6 +2,7 @@
 #include "apps/window/questions.hpp"
 
 #include <chrono>
+#include <functional>
 #include <future>
 #include <mutex>
 
@@ -9,6 +10,7 @@
 #include <imgui.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/sculpt/served_session.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -92,12 +94,14 @@ class Loading {
   double done_ = 0;
 };
 
-// Null: it was cancelled.
-std::unique_ptr<SculptSession> load(GuiHost& host, const SculptRequest& request) {
-  Loading loading(request.volume);
+// What `make` makes beside the window. Null: it was cancelled.
+template <class Session>
+std::unique_ptr<Session> load(GuiHost& host, const std::string& name,
+                              const std::function<std::unique_ptr<Session>(Progress&)>& make) {
+  Loading loading(name);
   auto loaded = std::async(std::launch::async, [&] {
     Progress progress([&](const std::string& stage, double done) { loading.tell(stage, done); });
-    return std::make_unique<SculptSession>(request, progress);
+    return make(progress);
   });
   while (loaded.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     const auto [words, done] = loading.state();
@@ -121,6 +125,13 @@ bool isSameVolume(const std::string& name, const std::string& other) {
   return std::filesystem::equivalent(name, other, unknown);
 }
 
+std::unique_ptr<OpenVolume> joinService(GuiHost& host, const std::string& socket) {
+  auto opened = std::make_unique<OpenVolume>();
+  opened->session = load<ServedSession>(
+      host, socket, [&](Progress& progress) { return std::make_unique<ServedSession>(socket, progress); });
+  return opened->session ? std::move(opened) : nullptr;
+}
+
 std::unique_ptr<OpenVolume> openVolume(GuiHost& host, SculptRequest request, const std::filesystem::path& journals) {
   auto opened = std::make_unique<OpenVolume>();
   std::optional<LeftSession> left;
@@ -130,9 +141,11 @@ std::unique_ptr<OpenVolume> openVolume(GuiHost& host, SculptRequest request, con
     opened->journal = std::make_unique<SessionFolder>(journals);
     request.journal = opened->journal->path();
   }
-  opened->session = load(host, request);
-  if (!opened->session) return nullptr;
-  if (left && opened->session->journalHolds()) dropLeftSession(*left);  // its edits are in the new journal
+  auto session = load<SculptSession>(
+      host, request.volume, [&](Progress& progress) { return std::make_unique<SculptSession>(request, progress); });
+  if (!session) return nullptr;
+  if (left && session->journalHolds()) dropLeftSession(*left);  // its edits are in the new journal
+  opened->session = std::move(session);
   return opened;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/sculpt/sculpt_session.hpp"
+#include "apps/sculpt/sculpt_side.hpp"
 #include "apps/sculpt/session_folders.hpp"
 #include "apps/window/gui_host.hpp"
 
@@ -18,11 +19,15 @@ namespace palpate {
 // A session, and the folder of its journal.
 struct OpenVolume {
   std::unique_ptr<SessionFolder> journal;  // outlives the session; null: none is kept
-  std::unique_ptr<SculptSession> session;
+  std::unique_ptr<SculptSide> session;
 };
 
 // Whether these are names of one volume.
 [[nodiscard]] bool isSameVolume(const std::string& name, const std::string& other);
+
+// That of a running service, when it answers. Null: the person does not wait any more. Throws Error as ServedSession
+// does.
+[[nodiscard]] std::unique_ptr<OpenVolume> joinService(GuiHost& host, const std::string& socket);
 
 // Opens a volume: asks what becomes of a session of it that a crash has left, and loads it beside the window.
 // `journals`: folder for them; empty: none is kept. Null: the person does not want it any more, or the

@@ -39,12 +39,12 @@ std::unique_ptr<OpenVolume> openNext(GuiHost& host, SculptWindow& window, const 
   }
 }
 
-bool isAway(const SculptRequest& request, const SculptSession& session) {
+bool isAway(const SculptRequest& request, const SculptSide& session) {
   return (request.held ? request.held->forceOff() : session.forceOff()) == ForceOff::kDisconnected;
 }
 
 // A device that was pulled while one volume took the other's place is waited for, as long as somebody may plug it in.
-void start(SculptSession& session, const SculptRequest& request, bool is_first) {
+void start(SculptSide& session, const SculptRequest& request, bool is_first) {
   constexpr double kPatience_s = 10;
   constexpr std::chrono::milliseconds kLook(100);
   const Stopwatch waited;
@@ -73,6 +73,10 @@ std::unique_ptr<OpenVolume> runSession(GuiHost& host, OpenVolume& open, SculptRe
   for (std::string volume = window.run(); !volume.empty(); volume = window.run()) {
     if (isSameVolume(volume, open.session->volume().name)) {
       window.say(volume + " is open already: the list of edits leads back to what it was");
+      continue;
+    }
+    if (!open.session->canBeReplaced()) {
+      window.say("this window shows the volume of a service: open another window for " + volume);
       continue;
     }
     request.volume = volume;
@@ -114,7 +118,8 @@ void runWindow(const SculptRequest& asked) {
                 .dark = settings.dark,
                 .scale = settings.scale});
   const KeptWork kept;  // a signal closes the window in good order
-  std::unique_ptr<OpenVolume> open = openVolume(host, request, journals);
+  std::unique_ptr<OpenVolume> open =
+      request.connect.empty() ? openVolume(host, request, journals) : joinService(host, request.connect);
   request.isovalue.reset();  // of the first volume
   request.device.place_at_W.reset();
   const auto keepSettings = [&] {
@@ -123,8 +128,8 @@ void runWindow(const SculptRequest& asked) {
   try {
     for (bool is_first = true; open; is_first = false) {
       const std::string volume = open->session->volume().name;
-      settings.opened(lasting(volume));
-      host.setTitle("Palpate: " + volume);
+      if (request.connect.empty()) settings.opened(lasting(volume));
+      host.setTitle(fmt::format("Palpate: {}{}", volume, request.connect.empty() ? "" : " (served)"));
       std::unique_ptr<OpenVolume> next = runSession(host, *open, request, journals, settings, remark, is_first);
       open.reset();  // the session before its journal's folder
       open = std::move(next);

@@ -65,7 +65,7 @@ PointerInput pointerInput(const PictureArea& area, const ImVec2& by) {
 
 }  // namespace
 
-SculptWindow::SculptWindow(GuiHost& host, SculptSession& session, SculptSettings settings)
+SculptWindow::SculptWindow(GuiHost& host, SculptSide& session, SculptSettings settings)
     : host_(host),
       model_{.session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
       tool_(model_.view.distance_m()) {
@@ -119,7 +119,7 @@ void SculptWindow::frame() {
   const PictureArea area = showPanels(model_, scale);
   pointer(area);
   showOverlay(model_, area, scale);
-  const ViewFrame& picture = model_.session.view().latest();
+  const ViewFrame& picture = model_.session.frame();
   const ImVec2 by = ImGui::GetIO().DisplayFramebufferScale;
   const PlacedPicture placed{picture.number == 0 ? nullptr : &picture.pixels, picture.camera.width,
                              picture.camera.height, static_cast<int>(area.x * by.x), static_cast<int>(area.y * by.y)};
@@ -233,8 +233,8 @@ void SculptWindow::pointer(const PictureArea& area) {
   const PointerKeys keys = pointerKeys();
   model_.keys.take(keys, io.DeltaTime, area.width * by.x, area.height * by.y, input);
   if (keys.any()) frames_after_event_ = std::max(frames_after_event_, 3);
-  SculptSession& session = model_.session;
-  const ViewFrame& frame = session.view().latest();
+  SculptSide& session = model_.session;
+  const ViewFrame& frame = session.frame();
   model_.request = model_.gestures.take(input, frame, model_.view, model_.settings.brush, model_.settings.reach);
   if (model_.request.begins) session.press(*model_.request.begins);
   if (model_.request.ends) session.release();
@@ -251,7 +251,7 @@ void SculptWindow::pointer(const PictureArea& area) {
 // A new request where camera or style have changed. A style that is refused leaves the picture as it is.
 void SculptWindow::showView() {
   ViewRequest wanted{model_.view.camera(), {}, DrawOrder::kCoarseFirst};
-  const SculptVolume& volume = model_.session.volume();
+  const SeenVolume& volume = model_.session.volume();
   try {
     wanted.style = styleOf(model_.sight, volume.lattice, volume.size);
   } catch (const Error& error) {
@@ -262,7 +262,7 @@ void SculptWindow::showView() {
   if (asked_ && *asked_ == wanted) return;
   style_refusal_.clear();
   asked_ = std::move(wanted);
-  model_.session.view().show(*asked_);
+  model_.session.show(*asked_);
   frames_after_event_ = std::max(frames_after_event_, 30);
 }
 

@@ -15,7 +15,7 @@ namespace palpate {
 class SculptWindow {
  public:
   // Both outlive it.
-  SculptWindow(GuiHost& host, SculptSession& session, SculptSettings settings);
+  SculptWindow(GuiHost& host, SculptSide& session, SculptSettings settings);
 
   // Until the window shall close, or another volume is to be opened; SIGINT and SIGTERM close it, and do not ask.
   // Returns the volume to open; empty: none. May be called again: then the session goes on.

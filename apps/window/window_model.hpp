@@ -10,8 +10,8 @@
 #include "apps/sculpt/fault_counts.hpp"
 #include "apps/sculpt/gestures.hpp"
 #include "apps/sculpt/key_pointer.hpp"
-#include "apps/sculpt/sculpt_session.hpp"
 #include "apps/sculpt/sculpt_settings.hpp"
+#include "apps/sculpt/sculpt_side.hpp"
 #include "apps/sculpt/tick_recording.hpp"
 #include "apps/sculpt/view_choice.hpp"
 
@@ -39,7 +39,7 @@ struct Leaving {
 };
 
 struct WindowModel {
-  SculptSession& session;
+  SculptSide& session;
   SculptSettings settings;
   OrbitView view;
   ViewChoice sight = {};

@@ -25,14 +25,14 @@ constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL;
 
 }  // namespace
 
-SealedMemory::SealedMemory(const char* name, std::size_t bytes)
+SealedMemory::SealedMemory(const char* name, std::size_t bytes, Pages pages)
     : file_(memfd_create(name, MFD_CLOEXEC | MFD_ALLOW_SEALING)), bytes_(bytes) {
   if (!file_ || ftruncate(file_.get(), static_cast<off_t>(bytes)) != 0 || fcntl(file_.get(), F_ADD_SEALS, kSeals) != 0)
     refuseRoom(bytes);
-  map();
+  map(pages);
 }
 
-SealedMemory::SealedMemory(Descriptor given, std::size_t bytes) : file_(std::move(given)), bytes_(bytes) {
+SealedMemory::SealedMemory(Descriptor given, std::size_t bytes, Pages pages) : file_(std::move(given)), bytes_(bytes) {
   struct stat facts {};
   const int seals = fcntl(file_.get(), F_GET_SEALS);  // -1: no memory of this kind
   const bool fixed = seals >= 0 && (seals & kSeals) == kSeals;
@@ -41,11 +41,12 @@ SealedMemory::SealedMemory(Descriptor given, std::size_t bytes) : file_(std::mov
                 formatted("it is none of {} bytes whose size is sealed", bytes),
                 "start programs of the same version of Palpate");
   }
-  map();
+  map(pages);
 }
 
-void SealedMemory::map() {
-  void* const at = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file_.get(), 0);
+void SealedMemory::map(Pages pages) {
+  const int flags = MAP_SHARED | (pages == Pages::kAtOnce ? MAP_POPULATE : 0);
+  void* const at = mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, flags, file_.get(), 0);
   if (at == MAP_FAILED) refuseRoom(bytes_);
   data_ = static_cast<std::byte*>(at);
 }

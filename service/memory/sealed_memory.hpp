@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "base/descriptor.hpp"
 
@@ -19,11 +20,15 @@ class SealedMemory {
     return (bytes + kPage - 1) / kPage * kPage;
   }
 
+  // When the system gives it: before the first use, which then takes no time for it, or page by page, if most of it may
+  // never be used.
+  enum class Pages : std::uint8_t { kAtOnce, kWhenUsed };
+
   SealedMemory() = default;
   // Zeros. `name`: for /proc/PID/maps. Throws Error(kOutOfMemory).
-  SealedMemory(const char* name, std::size_t bytes);
+  SealedMemory(const char* name, std::size_t bytes, Pages pages = Pages::kAtOnce);
   // That of another process. Throws Error(kBadInput) for a descriptor of anything else, or if it has not `bytes` bytes.
-  SealedMemory(Descriptor given, std::size_t bytes);
+  SealedMemory(Descriptor given, std::size_t bytes, Pages pages = Pages::kAtOnce);
   ~SealedMemory();
   SealedMemory(SealedMemory&& other) noexcept;
   SealedMemory& operator=(SealedMemory&& other) noexcept;
@@ -33,7 +38,7 @@ class SealedMemory {
   [[nodiscard]] int descriptor() const noexcept { return file_.get(); }  // to be sent; stays this object's
 
  private:
-  void map();
+  void map(Pages pages);
 
   Descriptor file_;
   std::byte* data_ = nullptr;

@@ -67,7 +67,7 @@ ViewBlock& blockIn(const SealedMemory& memory) {
 }
 
 SealedMemory made(const ViewMemory::Room& room) {
-  SealedMemory memory("palpate-view", bytesFor(room));
+  SealedMemory memory("palpate-view", bytesFor(room), SealedMemory::Pages::kWhenUsed);
   (new (memory.data()) ViewBlock{})->header = headerFor(room);
   return memory;
 }
@@ -88,7 +88,7 @@ ViewMemory::ViewMemory(const Room& room) : room_(room), memory_(made(room)), pic
 
 ViewMemory::ViewMemory(Descriptor given, const Room& room)
     : room_(room),
-      memory_(checked(SealedMemory(std::move(given), bytesFor(room)), room)),
+      memory_(checked(SealedMemory(std::move(given), bytesFor(room), SealedMemory::Pages::kWhenUsed), room)),
       pictures_(block().pictures) {}
 
 ViewBlock& ViewMemory::block() noexcept {
@@ -126,7 +126,7 @@ bool ViewMemory::put(const Camera& camera, std::span<const layout::PicturePixel>
   return true;
 }
 
-const SharedPicture& ViewMemory::latest() {
+const ViewFrame& ViewMemory::latest() {
   if (!pictures_.renew()) return latest_;
   const PictureRecord record = pictures_.front();  // a copy: the other side may write on
   std::atomic_signal_fence(std::memory_order_seq_cst);

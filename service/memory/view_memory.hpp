@@ -5,17 +5,17 @@
 // The engine makes one for each such client, and never uses it for another. Each side finds the layout's number, the
 // sizes and the seals as it expects them, or refuses. What the other side writes is not believed: a picture has a
 // camera, and as many pixels as there is room for, or it is left out.
-// World frame, [m]. Threads: one of the engine's and one of the client's each use their end. Wait-free.
+// Room that no picture fills costs no memory. World frame, [m]. Threads: one of the engine's and one of the client's
+// each use their end. Wait-free.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
-#include <vector>
 
-#include "base/camera.hpp"
 #include "service/memory/sealed_memory.hpp"
+#include "service/memory/view_frame.hpp"
 #include "servo/devices/pointer_path.hpp"
 #include "servo/loop/live_ticks.hpp"
 #include "servo/window/triple_buffer.hpp"
@@ -53,16 +53,6 @@ struct ViewBlock {
 };
 static_assert(std::is_standard_layout_v<ViewBlock> && sizeof(ViewBlock) == 64 + 640 + 256 + 768);
 
-// A picture of which not all pixels need be new.
-struct SharedPicture {
-  std::uint64_t number = 0;                  // from 1; 0: nothing is drawn yet
-  Camera camera;                             // that the pixels belong to
-  std::vector<layout::PicturePixel> pixels;  // rows from the top
-  std::uint64_t edit_version = 0;            // every edit up to this one is seen
-  bool fine = false;                         // at full quality
-  bool whole = false;                        // and of the volume as it is
-};
-
 class ViewMemory {
  public:
   struct Room {
@@ -80,8 +70,8 @@ class ViewMemory {
   // Engine: the next picture. False: it has more pixels than there is room for, or not those of its camera.
   bool put(const Camera& camera, std::span<const layout::PicturePixel> pixels, std::uint64_t edit_version, bool fine,
            bool whole) noexcept;
-  // Client: the newest picture, valid until the next call.
-  [[nodiscard]] const SharedPicture& latest();
+  // Client: the newest picture, valid until the next call; its `request` is not told.
+  [[nodiscard]] const ViewFrame& latest();
 
   [[nodiscard]] PointerAimBlock& aims() noexcept { return block().aims; }
   [[nodiscard]] LiveTicksBlock& ticks() noexcept { return block().ticks; }
@@ -97,7 +87,7 @@ class ViewMemory {
   SealedMemory memory_;
   TripleBuffer<PictureRecord> pictures_;
   std::uint64_t put_ = 0;  // the engine's
-  SharedPicture latest_;   // the client's
+  ViewFrame latest_;       // the client's
 };
 
 }  // namespace palpate

@@ -78,14 +78,19 @@ constexpr EffectRow kEffects[] = {
      }},
 };
 
+constexpr std::string_view kTextureNames[] = {"none", "procedural", "density"};  // by TextureKind
+
 }  // namespace
 
 TextureKind textureOfName(std::string_view name) {
-  if (name == "none") return TextureKind::kNone;
-  if (name == "procedural") return TextureKind::kProcedural;
-  if (name == "density") return TextureKind::kDensity;
+  const auto* const known = std::ranges::find(kTextureNames, name);
+  if (known != std::end(kTextureNames)) return static_cast<TextureKind>(known - std::begin(kTextureNames));
   throw Error(Error::Code::kBadInput, "texture", formatted("'{}' is not known", name),
               "use none, procedural or density");
+}
+
+std::string_view nameOfTexture(TextureKind kind) noexcept {
+  return kTextureNames[static_cast<std::size_t>(kind)];
 }
 
 std::string contactEffectNames(const EffectParameters& p) {

@@ -28,6 +28,7 @@ enum class TextureKind : std::uint8_t { kNone, kProcedural, kDensity };
 
 // "none", "procedural" or "density". Throws Error(kBadInput) on another word.
 [[nodiscard]] TextureKind textureOfName(std::string_view name);
+[[nodiscard]] std::string_view nameOfTexture(TextureKind kind) noexcept;
 
 struct EffectParameters {
   bool force_shading = false;

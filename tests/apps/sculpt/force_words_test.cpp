@@ -28,7 +28,7 @@ TickRecord tick() {
 }
 
 TEST(ForceWords, TellWhatIsFelt) {
-  const ForceWords words = forceWords(tick(), true, 300);
+  const ForceWords words = forceWords(tick(), "", 300);
   EXPECT_EQ(words.state, "0.50 N, 1.00 mm deep");
   EXPECT_THAT(words.reasons, IsEmpty());
 }
@@ -36,20 +36,21 @@ TEST(ForceWords, TellWhatIsFelt) {
 TEST(ForceWords, TellWhyThereIsNone) {
   TickRecord record = tick();
   record.in_contact = false;
-  EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("take it out once")));
+  EXPECT_THAT(forceWords(record, "", 300).reasons, ElementsAre(HasSubstr("take it out once")));
   record.density = 300;
-  EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the object")));
-  EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("press the left button")));
-  EXPECT_THAT(forceWords(record, true, 300, ForceOff::kNone).reasons, ElementsAre(HasSubstr("move the device to it")));
+  EXPECT_THAT(forceWords(record, "", 300).reasons, ElementsAre(HasSubstr("outside the object")));
+  EXPECT_THAT(forceWords(record, "", 300).reasons, ElementsAre(HasSubstr("press the left button")));
+  EXPECT_THAT(forceWords(record, "", 300, ForceOff::kNone).reasons, ElementsAre(HasSubstr("move the device to it")));
   for (const float unknown : {std::numeric_limits<float>::quiet_NaN(), -std::numeric_limits<float>::infinity()}) {
     record.density = unknown;  // beyond the window, or beyond the volume
-    EXPECT_THAT(forceWords(record, true, 300).reasons, ElementsAre(HasSubstr("outside the volume")));
+    EXPECT_THAT(forceWords(record, "", 300).reasons, ElementsAre(HasSubstr("outside the volume")));
   }
-  EXPECT_EQ(forceWords(record, true, 300).state, "no contact");
+  EXPECT_EQ(forceWords(record, "", 300).state, "no contact");
   record.tick = -1;
-  EXPECT_THAT(forceWords(record, true, 300).state, HasSubstr("starting"));
-  EXPECT_THAT(forceWords(tick(), false, 300).state, HasSubstr("not running"));
-  EXPECT_THAT(forceWords(tick(), false, 300).reasons, ElementsAre(HasSubstr("open the volume again")));
+  EXPECT_THAT(forceWords(record, "", 300).state, HasSubstr("starting"));
+  EXPECT_THAT(forceWords(tick(), "it has ended: open the volume again", 300).state, HasSubstr("not running"));
+  EXPECT_THAT(forceWords(tick(), "it has ended: open the volume again", 300).reasons,
+              ElementsAre(HasSubstr("open the volume again")));
 }
 
 // Of a device that a person holds, first of all, in contact too, with what to do; and no guess beside it is lost.
@@ -59,11 +60,11 @@ TEST(ForceWords, TellWhyADeviceExertsNone) {
     TickRecord record = tick();
     const auto off = testing::AllOf(HasSubstr("forces are off because " + std::string(wordsOf(why).reason)),
                                     HasSubstr(std::string(wordsOf(why).remedy)));
-    EXPECT_THAT(forceWords(record, true, 300, why).reasons, ElementsAre(off));
+    EXPECT_THAT(forceWords(record, "", 300, why).reasons, ElementsAre(off));
     record.faults = bit(ServoFault::kStaleWindow);
-    EXPECT_THAT(forceWords(record, true, 300, why).reasons, ElementsAre(off, HasSubstr("in time")));
+    EXPECT_THAT(forceWords(record, "", 300, why).reasons, ElementsAre(off, HasSubstr("in time")));
   }
-  EXPECT_THAT(forceWords(tick(), true, 300, ForceOff::kNone).reasons, IsEmpty());
+  EXPECT_THAT(forceWords(tick(), "", 300, ForceOff::kNone).reasons, IsEmpty());
 }
 
 // Each fault in the words of the table, with its remedy.
@@ -71,10 +72,10 @@ TEST(ForceWords, TellEveryFault) {
   for (const FaultText& fault : faultTable()) {
     TickRecord record = tick();
     record.faults = bit(fault.fault);
-    EXPECT_THAT(forceWords(record, true, 300).reasons,
+    EXPECT_THAT(forceWords(record, "", 300).reasons,
                 ElementsAre(testing::AllOf(HasSubstr(fault.text), HasSubstr(fault.remedy))));
     record.in_contact = false;
-    EXPECT_EQ(forceWords(record, true, 300).reasons.size(), 1U);  // nothing else is guessed
+    EXPECT_EQ(forceWords(record, "", 300).reasons.size(), 1U);  // nothing else is guessed
   }
 }
 

@@ -38,7 +38,7 @@ struct Drawn {
     now_ns += 1'000'000;
     std::this_thread::sleep_for(std::chrono::microseconds(100));  // the device works meanwhile
     static_cast<void>(queue.view().look(engine, now_ns));
-    static_cast<void>(queue.drawOn(engine.editVersion()));
+    static_cast<void>(queue.drawOn(engine.editVersion(), true));
   }
 };
 
@@ -93,7 +93,7 @@ TEST(PictureQueue, GoesOnWithAnotherEngine) {
   for (int looks = 0; looks < 10'000 && !is_done; ++looks) {
     std::this_thread::sleep_for(std::chrono::microseconds(100));
     static_cast<void>(first.queue.view().look(second.engine, ++first.now_ns));
-    static_cast<void>(first.queue.drawOn(second.engine.editVersion()));
+    static_cast<void>(first.queue.drawOn(second.engine.editVersion(), true));
   }
   EXPECT_TRUE(is_done);
 }

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "base/error.hpp"
+#include "service/channel/usual_socket.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
 #include "tests/support/refusal.hpp"
 

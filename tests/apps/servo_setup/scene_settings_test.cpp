@@ -6,6 +6,7 @@
 
 #include "apps/scene/option_table.hpp"
 #include "servo/devices/path.hpp"
+#include "tests/support/any_settings.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {
@@ -24,6 +25,19 @@ ContactEffects effectsOf(const Scene& scene) {
 
 std::string refusal(const Scene& scene) {
   return refusalOf([&] { static_cast<void>(effectsOf(scene)); });
+}
+
+// There and back, to the bit; the rate is the scene's.
+TEST(RigSettingsOfScene, AreThoseThatItWasGiven) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    Seeded random(seed);
+    Scene scene = withRigSettings(Scene{}, anySettings(random));  // others before
+    RigSettings given = anySettings(random);
+    given.parameters.rate_hz = scene.rate_hz;
+    scene = withRigSettings(scene, given);
+    EXPECT_EQ(scene.isovalue, given.parameters.isovalue) << seed;
+    EXPECT_EQ(rigSettings(scene, *scene.isovalue), given) << seed;
+  }
 }
 
 TEST(RigSettingsOfScene, CarriesWhatTheSceneAsks) {

@@ -54,7 +54,8 @@ class OnADesktop : public testing::Test {
   [[nodiscard]] std::filesystem::path home() const { return folder.path() / "home"; }
   [[nodiscard]] std::filesystem::path journals() const { return home() / ".local/state/palpate/journals"; }
   void start() {
-    std::vector<std::string> words = {"sculpt", kBall};
+    std::vector<std::string> words = {"sculpt"};
+    words.insert(words.end(), shows.begin(), shows.end());
     words.insert(words.end(), options.begin(), options.end());
     program = std::make_unique<Started>(desktop->display(), home(), words, more, runner);
   }
@@ -144,6 +145,7 @@ class OnADesktop : public testing::Test {
   std::unique_ptr<Desktop> desktop;
   std::unique_ptr<Started> program;
   Environment more = {};                  // of the program
+  std::vector<std::string> shows = {kBall};
   std::vector<std::string> options = {};  // of `palpate sculpt`
   std::vector<std::string> runner = {};   // that starts it
 };

@@ -32,6 +32,7 @@ TEST_F(OnADesktop, TheWindowOutlivesItsServo) {
 
   enters(kFileX, kOpenY, "phantom:sphere?size=48&seed=2");
   EXPECT_TRUE(waitUntil([&] { return servo() > 0 && servo() != first; })) << program->said();
+  ASSERT_TRUE(movesOff());  // it is open
   endsWell();
   EXPECT_EQ(servo(), 0);
 }

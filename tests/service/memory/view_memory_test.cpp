@@ -44,7 +44,7 @@ void putNumber(ViewMemory& memory, std::uint64_t number) {
   ASSERT_TRUE(memory.put(camera, pixels, 3 * number, number % 2 == 0, number % 3 == 0));
 }
 
-bool isWhole(const SharedPicture& picture) {
+bool isWhole(const ViewFrame& picture) {
   const std::uint64_t n = picture.number;
   bool whole = picture.camera == cameraOf(n) && picture.edit_version == 3 * n && picture.fine == (n % 2 == 0) &&
                picture.whole == (n % 3 == 0) &&
@@ -61,7 +61,7 @@ TEST(ViewMemory, CarriesPicturesBetweenProcesses) {
     ViewMemory theirs(copyOf(memory), kRoom);
     std::uint64_t last = 0;
     while (last < kPictures) {
-      const SharedPicture& picture = theirs.latest();
+      const ViewFrame& picture = theirs.latest();
       if (picture.number == last) continue;
       if (picture.number < last || !isWhole(picture)) _exit(1);
       last = picture.number;
@@ -131,7 +131,7 @@ TEST(ViewMemory, WhatIsNoPictureIsNotShown) {
   ViewMemory client(copyOf(memory), kRoom);
   std::uint64_t last = 0, seen = 0;
   for (std::int64_t look = 0; look < 2'000'000'000 && seen < 50; ++look) {
-    const SharedPicture& picture = client.latest();
+    const ViewFrame& picture = client.latest();
     if (picture.number == last) continue;
     last = picture.number;
     ++seen;
