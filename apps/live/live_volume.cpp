@@ -84,11 +84,11 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
 // As edits of this session, so that its journal holds them too.
 void LiveVolume::makeAgain(const Journal& journal, Progress& progress) {
   progress.stage("making the edits again");
-  const std::vector<std::vector<EditCommand>> edits = lastingEdits(journal);
+  const std::vector<LastingEdit> edits = lastingEdits(journal);
   for (std::size_t i = 0; i < edits.size(); ++i) {
     throwIfInterrupted(work_);
     progress.fraction(static_cast<double>(i) / static_cast<double>(edits.size()));
-    static_cast<void>(session_->edit(edits[i], 0));
+    static_cast<void>(session_->edit(edits[i].commands, 0, edits[i].goes_on ? UndoStep::kLast : UndoStep::kNew));
   }
 }
 

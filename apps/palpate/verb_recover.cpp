@@ -41,7 +41,7 @@ Volume loadStart(const RecoverArguments& arguments, const std::string& source, P
 
 std::string editsInWords(const Journal& journal) {
   const auto edits = std::count_if(journal.records.begin(), journal.records.end(),
-                                   [](const JournalRecord& record) { return record.kind == RecordKind::kEdit; });
+                                   [](const JournalRecord& record) { return !record.commands.empty(); });
   const auto undone = edits - static_cast<std::ptrdiff_t>(lastingEdits(journal).size());
   return fmt::format("{} edit{}, {} undone; newest record {}", edits, edits == 1 ? "" : "s", undone,
                      journal.last_sequence);

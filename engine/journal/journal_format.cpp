@@ -119,10 +119,10 @@ std::size_t readHeader(std::string_view bytes, const std::string& input, Journal
                 "name the folder that --journal was given");
   }
   in.get(version);
-  if (in.good() && version != kJournalVersion) {
+  if (in.good() && (version < kOldestJournalVersion || version > kJournalVersion)) {
     throw Error(Error::Code::kBadInput, input,
-                fmt::format("it is a journal of format version {}, and this program knows version {}", version,
-                            kJournalVersion),
+                fmt::format("it is a journal of format version {}, and this program knows versions {} to {}", version,
+                            kOldestJournalVersion, kJournalVersion),
                 "recover it with the Palpate that wrote it");
   }
   std::string text;

@@ -19,7 +19,8 @@
 namespace palpate {
 
 inline constexpr std::string_view kJournalMagic = "PALPJRNL";
-inline constexpr std::uint32_t kJournalVersion = 2;
+inline constexpr std::uint32_t kJournalVersion = 3;
+inline constexpr std::uint32_t kOldestJournalVersion = 2;       // that is read, too: it has no kEditOn
 inline constexpr const char* kJournalName = "journal.palpate";  // in the journal's folder
 [[nodiscard]] inline std::filesystem::path journalFile(const std::filesystem::path& folder) {
   return folder / kJournalName;
@@ -31,10 +32,11 @@ struct JournalHeader {
 };
 
 enum class RecordKind : std::uint32_t {
-  kEdit = 1,   // the commands of one Editor::apply()
-  kUndo = 2,   // undoes the last edit that is in effect
-  kRedo = 3,   // redoes the edit that was undone last
-  kStamp = 4,  // a mesh, which later commands name by its number
+  kEdit = 1,    // the commands of one Editor::apply()
+  kUndo = 2,    // undoes the last edit that is in effect
+  kRedo = 3,    // redoes the edit that was undone last
+  kStamp = 4,   // a mesh, which later commands name by its number
+  kEditOn = 5,  // as kEdit, of a person's stroke that goes on: undone together with the edit before it
 };
 
 inline constexpr std::size_t kRecordHead = 16;                // length, kind, sequence number [byte]

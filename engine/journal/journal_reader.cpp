@@ -70,6 +70,9 @@ class Reading {
         stamps_.push_back(std::move(stamp));
         return "";
       }
+      case RecordKind::kEditOn:
+        if (done_ == 0) return "goes on with what was not done";
+        [[fallthrough]];
       case RecordKind::kEdit: {
         auto commands = editOf(frame.content, stamps_);
         if (!commands) return "holds no commands";

@@ -16,7 +16,7 @@ namespace palpate {
 struct JournalRecord {
   RecordKind kind = RecordKind::kEdit;  // never kStamp: commands hold their stamps
   std::uint64_t sequence = 0;
-  std::vector<EditCommand> commands;  // of a kEdit record
+  std::vector<EditCommand> commands;  // of a kEdit or kEditOn record, which has some; else none
 };
 
 // The part of a journal that cannot be used: the first damaged record and everything behind it. A later record may be

@@ -75,8 +75,8 @@ std::uint64_t JournalWriter::appendOrEnd(const Work& work) noexcept {
   return sequence_;
 }
 
-std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands) noexcept {
-  return appendOrEnd([&] { append(RecordKind::kEdit, editContent(commands, stampNumbers(commands))); });
+std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands, RecordKind kind) noexcept {
+  return appendOrEnd([&] { append(kind, editContent(commands, stampNumbers(commands))); });
 }
 std::uint64_t JournalWriter::undo() noexcept {
   return appendOrEnd([&] { append(RecordKind::kUndo, {}); });

@@ -52,7 +52,7 @@ class JournalWriter {
   // already, so either its record is in the journal or the journal has ended. The first use of a stamp puts the stamp's
   // record before the edit's. Later commands with a stamp of the same content refer to that record. Cost of a stamp: it
   // is encoded at every use.
-  std::uint64_t edit(std::span<const EditCommand> commands) noexcept;
+  std::uint64_t edit(std::span<const EditCommand> commands, RecordKind kind = RecordKind::kEdit) noexcept;
   std::uint64_t undo() noexcept;
   std::uint64_t redo() noexcept;
 

@@ -7,19 +7,20 @@
 
 namespace palpate {
 
-std::vector<std::vector<EditCommand>> lastingEdits(const Journal& journal) {
+std::vector<LastingEdit> lastingEdits(const Journal& journal) {
   std::vector<const JournalRecord*> edits;  // done, then undone
   std::size_t done = 0;
   for (const JournalRecord& record : journal.records) {
     if (record.kind == RecordKind::kUndo) --done;
     if (record.kind == RecordKind::kRedo) ++done;
-    if (record.kind != RecordKind::kEdit) continue;
+    if (record.kind != RecordKind::kEdit && record.kind != RecordKind::kEditOn) continue;
     edits.resize(done);
     edits.push_back(&record);
     ++done;
   }
-  std::vector<std::vector<EditCommand>> lasting;
-  for (std::size_t i = 0; i < done; ++i) lasting.push_back(edits[i]->commands);
+  std::vector<LastingEdit> lasting;
+  for (std::size_t i = 0; i < done; ++i)
+    lasting.push_back({edits[i]->commands, i > 0 && edits[i]->kind == RecordKind::kEditOn});
   return lasting;
 }
 
@@ -32,10 +33,11 @@ void checkStart(const Journal& journal, const Volume& volume, const std::string&
 
 void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each) {
   checkStart(journal, volume, volume.facts().source);
-  const std::vector<std::vector<EditCommand>> edits = lastingEdits(journal);
+  const std::vector<LastingEdit> edits = lastingEdits(journal);
   for (std::size_t i = 0; i < edits.size(); ++i) {
     if (before_each) before_each(static_cast<double>(i) / static_cast<double>(edits.size()));
-    reference::applyEdits(volume, lowerEdits(edits[i], volume.size(), volume.lattice(), journal.header.profile));
+    reference::applyEdits(volume,
+                          lowerEdits(edits[i].commands, volume.size(), volume.lattice(), journal.header.profile));
   }
 }
 

@@ -10,8 +10,13 @@
 
 namespace palpate {
 
-// The edits that are in effect at the end of the journal, in order, each with its commands.
-[[nodiscard]] std::vector<std::vector<EditCommand>> lastingEdits(const Journal& journal);
+// An edit that is in effect at the end of a journal.
+struct LastingEdit {
+  std::vector<EditCommand> commands;
+  bool goes_on = false;  // it is undone together with the one before
+};
+// All of them, in order.
+[[nodiscard]] std::vector<LastingEdit> lastingEdits(const Journal& journal);
 
 // Throws Error(kBadInput) unless `volume` is the one that the journal began with; `input` names it in the message.
 void checkStart(const Journal& journal, const Volume& volume, const std::string& input);

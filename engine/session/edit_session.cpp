@@ -76,7 +76,10 @@ Engine::EditResult EditSession::journalled(const Note& note, const Change& chang
 
 Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step) {
   return journalled([&] { missing_.noteEdit(commands); }, [&] { return history_.edit(commands, now_ns, step); },
-                    [&](JournalWriter& journal) { journal.edit(commands); });
+                    [&](JournalWriter& journal) {
+                      const bool goes_on = step == UndoStep::kLast && history_.editsToUndo() > 1;
+                      journal.edit(commands, goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
+                    });
 }
 
 // A journal knows single edits, so it gets a record for each that the step holds.

@@ -109,9 +109,9 @@ void checkDamage(const Journal& journal, std::string_view bytes) {
 
 void checkLasting(const Journal& journal) {
   Lattice lattice;
-  for (const std::vector<EditCommand>& commands : lastingEdits(journal)) {
+  for (const LastingEdit& edit : lastingEdits(journal)) {
     try {
-      static_cast<void>(lowerEdits(commands, Vec3i::Constant(16), lattice, journal.header.profile));
+      static_cast<void>(lowerEdits(edit.commands, Vec3i::Constant(16), lattice, journal.header.profile));
     } catch (const Error& error) {
       fuzz::requireMessage(error, "");
     }

@@ -58,8 +58,8 @@ int statusOfRecover(const Journal& journal) {
 std::string contentOfDenseTwin(const Journal& journal) {
   const Volume start = loadVolume(kKilledVolume);
   reference::DenseField field = reference::denseField(start);
-  for (const auto& commands : lastingEdits(journal))
-    reference::applyEdits(field, lowerEdits(commands, field.size, field.lattice, journal.header.profile));
+  for (const LastingEdit& edit : lastingEdits(journal))
+    reference::applyEdits(field, lowerEdits(edit.commands, field.size, field.lattice, journal.header.profile));
   return fmt::format("{:016x}", contentHash(Volume::fromDense(field.size, field.lattice, field.values, {})));
 }
 

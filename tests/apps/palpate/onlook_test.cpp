@@ -261,7 +261,8 @@ TEST_F(Onlook, OutlivesTheEngineAndTheServo) {
   ASSERT_TRUE(waitFor([&] { return !person->look().running; }));
   join();
   ASSERT_TRUE(waitFor([&] { return person->look().running; }));
-  person->session.goTo(0);
+  EXPECT_EQ(person->look().edits.steps.size(), 1U);
+  person->session.undo();  // the whole stroke, also after the crash
   EXPECT_TRUE(person->sees([&](float distance_m) { return distance_m == before; }));
 }
 

@@ -92,8 +92,8 @@ TEST_P(WithAnArm, DrillsWhereTheArmIs) {
   // Each where the arm was: on its way, and no further than it goes; the hand's spring gives way by less than its
   // depth.
   double deepest_y = -1;
-  for (const std::vector<EditCommand>& edit : lastingEdits(readJournal(kept))) {
-    for (const EditCommand& command : edit) {
+  for (const LastingEdit& edit : lastingEdits(readJournal(kept))) {
+    for (const EditCommand& command : edit.commands) {
       EXPECT_LT(std::hypot(command.to_W.x(), command.to_W.z()), 5e-4);
       EXPECT_LT(command.to_W.y(), inside_W.y() + 1e-4);
       deepest_y = std::max(deepest_y, command.to_W.y());

@@ -94,7 +94,7 @@ TEST(JournalFormat, OfTheHeaderIsWhatTheDocumentSays) {
   for (int n = 31; n <= 35; ++n) content.add(static_cast<double>(n));
   ByteWriter want;
   want.addRaw("PALPJRNL");
-  want.add(std::uint32_t{2});
+  want.add(std::uint32_t{3});
   want.add(std::string_view(content.bytes()));
   want.add(crc32c(want.bytes()));
   EXPECT_EQ(headerBytes(header), want.bytes());
@@ -156,11 +156,24 @@ TEST(JournalFormat, RefusesWhatIsNoJournal) {
 
 TEST(JournalFormat, RefusesAnotherVersionAndSaysWhatToDo) {
   std::string bytes = headerBytes(header());
-  for (const char version : {char{1}, char{3}}) {
+  for (const char version : {char{1}, char{4}}) {
     bytes[kJournalMagic.size()] = version;
-    const std::string reason = fmt::format("format version {}, and this program knows version 2", int{version});
+    const std::string reason = fmt::format("format version {}, and this program knows versions 2 to 3", int{version});
     EXPECT_THAT(refusal(bytes), HasSubstr(reason + "; recover it with"));
   }
+}
+
+// Version 2 differs in nothing but that it has fewer kinds of records.
+TEST(JournalFormat, ReadsTheVersionBefore) {
+  std::string bytes = headerBytes(header());
+  bytes[kJournalMagic.size()] = 2;
+  bytes.resize(bytes.size() - 4);
+  ByteWriter checksum;
+  checksum.add(crc32c(bytes));
+  bytes += checksum.bytes();
+  JournalHeader read;
+  EXPECT_EQ(readHeader(bytes, "FILE", read), bytes.size());
+  EXPECT_EQ(read.volume.content, header().volume.content);
 }
 
 TEST(JournalFormat, RefusesADamagedHeaderWhereverItIsDamaged) {

@@ -52,7 +52,7 @@ TEST(Replay, UndoAndRedoDecideWhatLasts) {
                      record(kUndo),    record(kRedo),    record(kEdit, 4), record(kUndo),
                      record(kRedo),    record(kEdit, 5), record(kUndo)};
   std::vector<double> lasting;
-  for (const auto& commands : lastingEdits(journal)) lasting.push_back(commands.at(0).from_W.x());
+  for (const auto& edit : lastingEdits(journal)) lasting.push_back(edit.commands.at(0).from_W.x());
   EXPECT_EQ(lasting, (std::vector<double>{1, 2, 4}));
 }
 

@@ -120,9 +120,9 @@ TEST(EditSession, ReplayEqualsTheDeviceBitForBit) {
   EXPECT_NE(held, s.header.volume.content);
 }
 
-// Strokes of several edits, undone and redone as one: the states at their ends come back, and the journal, which knows
-// single edits, leads to the same volume.
-TEST(EditSession, JoinedEditsAreUndoneAsOneAndReplayedOneByOne) {
+// Strokes of several edits, undone and redone as one: the states at their ends come back, and the journal leads to the
+// same volume by the same steps.
+TEST(EditSession, JoinedEditsAreUndoneAsOneAlsoAfterAReplay) {
   const TemporaryFolder folder;
   Session s;
   s.session.keepJournal(folder.path(), s.header.volume);
@@ -157,6 +157,17 @@ TEST(EditSession, JoinedEditsAreUndoneAsOneAndReplayedOneByOne) {
   Volume replayed = sampleVolume();
   replay(readJournal(folder.path()), replayed);
   EXPECT_EQ(contentHash(replayed), hashes[steps - 2]);
+
+  // A session that makes them again has the same steps.
+  Session again;
+  for (const LastingEdit& edit : lastingEdits(readJournal(folder.path())))
+    again.session.edit(edit.commands, 0, edit.goes_on ? UndoStep::kLast : UndoStep::kNew);
+  ASSERT_EQ(again.session.history().steps(), steps - 2);
+  for (std::size_t i = steps - 2; i-- > 0;) {
+    EXPECT_EQ(again.session.history().editsToUndo(), edits[i]);
+    again.session.undo(0);
+    ASSERT_EQ(again.hash(), hashes[i]) << i;
+  }
 }
 
 // Timed is the way from the call to the window: all of the edit but what is settled afterwards, and no edit that
