@@ -30,6 +30,14 @@ std::vector<std::byte> ask(wire::Verb verb, std::vector<std::string> words, std:
   return encoded(std::move(ask));
 }
 
+wire::VectorT vector(double x, double y, double z) {
+  wire::VectorT v;
+  v.x = x;
+  v.y = y;
+  v.z = z;
+  return v;
+}
+
 wire::DeviceMadeT deviceMade() {
   wire::DeviceMadeT made;
   made.name = "simulated";
@@ -73,6 +81,9 @@ std::vector<std::string> corpus() {
   add(ask(wire::Verb::Save, {"/tmp/a.vdb"}));
   add(ask(wire::Verb::Render, {"/tmp/a.png", "640", "480"}));
   add(ask(wire::Verb::Filter, {"median:1 gaussian:0.8mm"}));
+  add(encoded(wire::DeviceStateT{}));
+  add(ask(wire::Verb::LookOn, {}));
+  add(ask(wire::Verb::Look, {"7"}));
   return all;
 }
 
@@ -81,7 +92,8 @@ bool mayDoSomething(const std::vector<std::byte>& bytes) {
   try {
     wire::BodyUnion body = decoded(bytes, "the test");
     const auto* const question = contentOf<wire::AskT>(body);
-    return question != nullptr && question->verb != wire::Verb::Status && question->verb != wire::Verb::Get;
+    constexpr wire::Verb kHarmless[] = {wire::Verb::Status, wire::Verb::Get, wire::Verb::LookOn, wire::Verb::Look};
+    return question != nullptr && std::ranges::find(kHarmless, question->verb) == std::end(kHarmless);
   } catch (const Error&) {
     return false;
   }
@@ -137,10 +149,43 @@ std::string HostileMessages::word() {
   return kWords[below(std::size(kWords))];
 }
 
+// What a window asks for, with a number that cannot be.
+std::vector<std::byte> HostileMessages::refusedView() {
+  wire::AskT ask;
+  ask.verb = wire::Verb::Show;
+  ask.view = std::make_unique<wire::ViewT>();
+  wire::ViewT& view = *ask.view;
+  const auto along = [](double x, double y, double z) { return std::make_unique<wire::VectorT>(vector(x, y, z)); };
+  view.position = along(0, -0.1, 0);
+  view.forward = along(0, 1, 0);
+  view.right = along(1, 0, 0);
+  view.up = along(0, 0, 1);
+  view.vertical_fov_rad = 0.5;
+  view.width = 64;
+  view.height = 48;
+  const double bad[] = {1e308, std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()};
+  double* const numbers[] = {&view.forward->x, &view.right->y, &view.up->z, &view.vertical_fov_rad};
+  switch (below(4)) {
+    case 0:
+      *numbers[below(std::size(numbers))] = bad[below(std::size(bad))];
+      break;
+    case 1:
+      (below(2) == 0 ? view.width : view.height) =
+          static_cast<std::int32_t>(below(2) == 0 ? random_() | 0x80000000U : 0);
+      break;
+    case 2:
+      for (std::size_t left = 17 + below(100); left > 0; --left) view.clips.push_back(std::make_unique<wire::PlaneT>());
+      break;
+    default:
+      view.up.reset();
+  }
+  return encoded(std::move(ask));
+}
+
 // Each verb with words of which at least one cannot be.
 std::vector<std::byte> HostileMessages::refusedQuestion() {
   const std::uint64_t number = below(4) == 0 ? std::numeric_limits<std::uint64_t>::max() : below(1000);
-  switch (below(9)) {
+  switch (below(14)) {
     case 0:
       return ask(wire::Verb::Get, {"no." + word(), word()}, number);
     case 1:
@@ -157,6 +202,16 @@ std::vector<std::byte> HostileMessages::refusedQuestion() {
       return ask(wire::Verb::Render, {"/none/a.png", word(), word()}, number);
     case 7:
       return ask(wire::Verb::Filter, {"melt:" + word()}, number);
+    case 8:
+      return ask(wire::Verb::Hold, {"melt:" + word()}, number);
+    case 9:
+      return ask(wire::Verb::GoTo, {"-" + word()}, number);
+    case 10:
+      return ask(wire::Verb::Look, {"x" + word()}, number);
+    case 11:
+      return ask(wire::Verb::Change, {word()}, number);  // without settings
+    case 12:
+      return refusedView();
     default:
       return ask(static_cast<wire::Verb>(20 + below(230)), {word(), word()}, number);
   }
@@ -170,8 +225,10 @@ std::vector<std::byte> HostileMessages::next() {
     case 2:
     case 3:
       return changedMessage();
-    case 4:
-      return ask(below(2) == 0 ? wire::Verb::Status : wire::Verb::Get, {}, below(5));
+    case 4: {
+      constexpr wire::Verb kHarmless[] = {wire::Verb::Status, wire::Verb::Get, wire::Verb::LookOn, wire::Verb::Look};
+      return ask(kHarmless[below(std::size(kHarmless))], {}, below(5));
+    }
     default:
       return refusedQuestion();
   }

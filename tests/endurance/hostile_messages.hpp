@@ -24,6 +24,7 @@ class HostileMessages {
 
  private:
   [[nodiscard]] std::vector<std::byte> refusedQuestion();
+  [[nodiscard]] std::vector<std::byte> refusedView();
   [[nodiscard]] std::vector<std::byte> changedMessage();
   [[nodiscard]] std::vector<std::byte> noise();
   [[nodiscard]] std::string word();

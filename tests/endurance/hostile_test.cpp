@@ -5,6 +5,7 @@
 // PALPATE_HOSTILE: how many messages (6000; `./dev hostile` sends 1,000,000). PALPATE_HOSTILE_SEED: of all.
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <map>
 #include <optional>
 
@@ -19,6 +20,7 @@
 #include "hostile_messages.hpp"
 #include "process_facts.hpp"
 #include "service/memory/link_memory.hpp"
+#include "service/memory/view_memory.hpp"
 #include "service_processes.hpp"
 
 namespace palpate {
@@ -75,6 +77,7 @@ class Hostile : public ServiceTest {
 
   void sendAll(int messages, HostileMessages& from);
   void beBadServos(int servos, HostileMessages& from);
+  void lookOnBadly(int windows, HostileMessages& from);
   void writeMemory(Descriptor given, HostileMessages& from) const;
 
   std::optional<ServiceClient> honest_;
@@ -137,6 +140,41 @@ void Hostile::writeMemory(Descriptor given, HostileMessages& from) const {
   munmap(memory, bytes);
 }
 
+// Windows that write into the memory that they are given whatever they want, but for where their pointer is, which may
+// lead the hand.
+void Hostile::lookOnBadly(int windows, HostileMessages& from) {
+  int let_in = 0;
+  for (int i = 0; i < windows; ++i) {
+    Channel window = connectTo(socket());
+    ++connections_;
+    wire::AskT ask;
+    ask.verb = wire::Verb::LookOn;
+    Packet packet;
+    if (!window.send(encoded(std::move(ask)), 1000) || window.receive(packet, 5000) != Channel::Got::kPacket) continue;
+    ++sent_;
+    if (!packet.attached) {  // others have not been let go yet
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      continue;
+    }
+    ++let_in;
+    constexpr std::size_t bytes = std::size_t{1} << 20U;  // of far more
+    void* const memory = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, packet.attached.get(), 0);
+    ASSERT_NE(memory, MAP_FAILED);
+    auto* const begin = static_cast<std::byte*>(memory);
+    constexpr std::size_t kAims = offsetof(ViewBlock, aims), kAfter = kAims + sizeof(PointerAimBlock);
+    for (int n = 0; n < 1000; ++n) {
+      const std::size_t at = from.below(4) == 0 ? from.below(bytes) : from.below(sizeof(ViewBlock));
+      if (at < kAims || at >= kAfter) begin[at] = static_cast<std::byte>(from.below(256));
+      if (n % 100 == 0 && sendAny(window, from.next(), -1)) ++sent_;
+    }
+    munmap(memory, bytes);
+    if (i % 20 == 0) {
+      ASSERT_EQ(figures().at("edits"), 0) << "after " << i << " windows";
+    }
+  }
+  EXPECT_GT(let_in, windows / 2);
+}
+
 void Hostile::beBadServos(int servos, HostileMessages& from) {
   std::string commit = run({"--version"}).out;
   commit = commit.substr(commit.find('(') + 1);
@@ -182,6 +220,8 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
   const double memory = ownMemory(engine.id());
   sendAll(messages - messages / 10, from);
   if (HasFatalFailure()) return;
+  lookOnBadly(servos, from);
+  if (HasFatalFailure()) return;
   EXPECT_TRUE(awaitDescriptors(descriptors)) << openDescriptorsOf(engine.id()) << " after " << descriptors;
   EXPECT_EQ(threadsOf(engine.id()), threads);
   settle();
@@ -226,7 +266,8 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
       result, "What hostile messages do to a service",
       "A servo presses a simulated hand on a sphere while clients of the same user send bytes that are no "
       "message, messages with changed bytes, messages where none may be, files with messages, and questions "
-      "that must be refused; they do not read, say nothing, or go. Then the servo leaves, and programs that "
+      "that must be refused; they do not read, say nothing, or go. Windows that look on write at random into their "
+      "memory. Then the servo leaves, and programs that "
       "only say that they are one come instead, answer wrongly and write at random into the memory that they "
       "are given.",
       fmt::format("{} messages over {} connections, and {} bad servos, in {:.0f} s; the engine's own memory "

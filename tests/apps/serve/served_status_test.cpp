@@ -31,6 +31,7 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   status.pose.force_W = Vec3(3, 0, 4);
   status.pose.normal_W = Vec3(0, 0, 1);
   status.pose.faults = 96;
+  status.force_off = ForceOff::kClutched;
   status.pose_at_ns = 5'000'000;
   status.windows = 3;
   status.waiting_for_disk = 4;
@@ -50,10 +51,10 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   all.erase("engine_memory_bytes");
   all.erase("servo_memory_bytes");
   const std::map<std::string, double> expected = {
-      {"servo", 1},          {"servos", 2},   {"tick", 77},      {"pose_age_ms", 2},      {"force_N", 5},
-      {"contact", 1},        {"faults", 96},  {"windows", 3},    {"waiting_for_disk", 4}, {"waiting", 5},
-      {"edits", 6},          {"refused", 7},  {"undoable", 8},   {"redoable", 9},         {"unsaved", 1},
-      {"journal_bytes", 10}, {"engines", 11}, {"gpu_bytes", 12}, {"clients", 13}};
+      {"servo", 1},     {"servos", 2},         {"tick", 77},    {"pose_age_ms", 2}, {"force_N", 5},
+      {"force_off", 1}, {"contact", 1},        {"faults", 96},  {"windows", 3},     {"waiting_for_disk", 4},
+      {"waiting", 5},   {"edits", 6},          {"refused", 7},  {"undoable", 8},    {"redoable", 9},
+      {"unsaved", 1},   {"journal_bytes", 10}, {"engines", 11}, {"gpu_bytes", 12},  {"clients", 13}};
   EXPECT_EQ(all, expected);
 }
 
@@ -65,6 +66,8 @@ TEST(ServedStatus, WithoutAServoThereIsNoAgeAndNoMemory) {
   EXPECT_EQ(all.at("pose_age_ms"), 0);
   EXPECT_EQ(all.at("servo_memory_bytes"), 0);
   EXPECT_EQ(all.at("contact"), 0);
+  status.force_off = ForceOff::kDisconnected;  // of the servo that was there
+  EXPECT_EQ(figures(status, 1'000'000'000).at("force_off"), 0);
 }
 
 // A fault is counted when it begins, not as long as it lasts.
