@@ -18,7 +18,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/acknowledged_file.hpp"
-#include "engine/journal/replay.hpp"
+#include "engine/journal/checkpoint.hpp"
 #include "engine/journal/volume_identity.hpp"
 
 namespace palpate {
@@ -27,6 +27,7 @@ namespace {
 // The file, and the folder if nothing else is in it.
 void removeJournal(const std::filesystem::path& folder) {
   std::error_code ignored;
+  removeCheckpoints(folder);
   std::filesystem::remove(journalFile(folder), ignored);
   std::filesystem::remove(folder, ignored);
 }
@@ -65,26 +66,33 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   checkIsovalue(*volume_, first_isovalue_);
   const auto stopIfInterrupted = [this] { throwIfInterrupted(work_); };
   stopIfInterrupted();
+  const bool checkpoints = request.outlives_its_engine && !journal_.empty();
+  const VolumeIdentity identity = journal_.empty() ? VolumeIdentity{} : identityOf(*volume_);
+  const std::vector<LastingEdit> earlier = journal ? lastingEdits(*journal) : std::vector<LastingEdit>{};
+  Headstart held;  // by the volume, before the engine gets it
+  if (journal && checkpoints) held = putCheckpoint(journal_, journal->header, earlier, *volume_);
   progress.stage("computing on Vulkan");
   engine_ = std::make_unique<Engine>(*volume_, request.plan, first_isovalue_, request.gpu, request.gpu_memory_bytes,
                                      passProgress(progress, stopIfInterrupted));
   const BrushProfile profile = journal ? journal->header.profile : brushProfile(*volume_, first_isovalue_);
-  session_ = std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes);
-  if (!journal_.empty()) session_->keepJournal(journal_, identityOf(*volume_), watchedJournal());
+  session_ =
+      std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes, held.edits);
+  if (!journal_.empty()) session_->keepJournal(journal_, identity, watchedJournal());
   volume_->keepIsovalue(first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (request.outlives_its_engine) session_->keepAbreast();
+  if (checkpoints) session_->keepCheckpoints(journal_, {identity, profile}, std::span(earlier).first(held.edits), held.bricks, tell_);
   edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
-  if (journal) makeAgain(*journal, progress);
+  makeAgain(std::span(earlier).subspan(held.edits), progress);
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
   }
 }
 
 // As edits of this session, so that its journal holds them too.
-void LiveVolume::makeAgain(const Journal& journal, Progress& progress) {
+void LiveVolume::makeAgain(std::span<const LastingEdit> edits, Progress& progress) {
+  if (edits.empty()) return;
   progress.stage("making the edits again");
-  const std::vector<LastingEdit> edits = lastingEdits(journal);
   for (std::size_t i = 0; i < edits.size(); ++i) {
     throwIfInterrupted(work_);
     progress.fraction(static_cast<double>(i) / static_cast<double>(edits.size()));

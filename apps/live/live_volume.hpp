@@ -13,12 +13,13 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "apps/console/progress.hpp"
 #include "apps/rig/rig_edits.hpp"
 #include "engine/field/volume.hpp"
-#include "engine/journal/journal_reader.hpp"
+#include "engine/journal/replay.hpp"
 #include "engine/plan/plan.hpp"
 #include "engine/service/engine.hpp"
 #include "engine/session/edit_session.hpp"
@@ -32,7 +33,8 @@ struct LiveVolumeRequest {
   std::uint64_t gpu_memory_bytes = 0;    // limit for densities and samples; 0: the device's
   Plan plan = {};                        // which allows edits
   std::filesystem::path journal = {};    // folder for the journal; empty: none
-  std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first
+  std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first; with
+                                         // outlives_its_engine, from the checkpoints in `journal` on
   std::string recovers_else = {};        // what to do if that cannot be; empty: what the journal's reader says
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
   bool outlives_its_engine = false;      // makeEngineAnew() may be called: EditSession::keepAbreast()
@@ -43,7 +45,8 @@ class LiveVolume {
  public:
   using Tell = std::function<void(const std::string&)>;
   // Throws Error as loadVolume, Engine and EditSession do, as readJournal and checkStart do, and kCancelled on Ctrl-C.
-  // Edits that are made again can be undone, and are in this session's journal too.
+  // Edits that are made again are in this session's journal too. They can be undone, but for those that a checkpoint
+  // had.
   LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tell tell);
   ~LiveVolume();  // as close(); drops failures
   LiveVolume(const LiveVolume&) = delete;
@@ -91,7 +94,7 @@ class LiveVolume {
 
  private:
   class SavePromise;
-  void makeAgain(const Journal& journal, Progress& progress);
+  void makeAgain(std::span<const LastingEdit> edits, Progress& progress);
 
   const std::string name_, work_, gpu_;
   const std::uint64_t gpu_memory_bytes_;

@@ -61,6 +61,7 @@ class EditHistory {
   [[nodiscard]] std::vector<UndoLabel> labels() const;                        // of all steps, the oldest first
   // Edits that were made and can no longer be undone.
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
+  void noteForgotten(std::size_t edits) noexcept { forgotten_ += edits; }  // made before the first one here
 
  private:
   using Contents = std::vector<BrickContent>;

@@ -27,14 +27,26 @@ Error lacksEdits() {
 }  // namespace
 
 EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds,
-                         std::size_t history_bytes)
-    : engine_(&engine), profile_(profile), history_(engine, history_bytes) {
-  engine.allowEdits(profile, kinds);
+                         std::size_t history_bytes, std::size_t edits_before)
+    : engine_(&engine), profile_(profile), history_(engine, history_bytes), content_version_(edits_before) {
+  engine.allowEdits(profile, kinds, edits_before);
+  history_.noteForgotten(edits_before);
+  figures_.edits = edits_before;
 }
 
 void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume,
                               JournalOptions options) {
   journal_.emplace(folder, JournalHeader{volume, profile_}, std::move(options));
+}
+
+void EditSession::keepCheckpoints(const std::filesystem::path& folder, const JournalHeader& header,
+                                  std::span<const LastingEdit> before, std::span<const std::uint32_t> bricks,
+                                  std::function<void(const std::string&)> told, double edits_between_s) {
+  const BrickGrid grid{header.volume.size, header.volume.lattice.spacing_m};
+  checkpoints_.emplace(folder, header, grid.brickCount(), std::move(told), edits_between_s);
+  checkpoints_->begin(before, bricks);
+  for (const LastingEdit& edit : before)
+    journal_->edit(edit.commands, edit.goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
 }
 
 // The time to the hand ends when the window is out. Settling comes after it, brick by brick, and is subtracted. Once
@@ -75,10 +87,12 @@ Engine::EditResult EditSession::journalled(const Note& note, const Change& chang
 }
 
 Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std::int64_t now_ns, UndoStep step) {
+  const Stopwatch watch;
   return journalled([&] { missing_.noteEdit(commands); }, [&] { return history_.edit(commands, now_ns, step); },
                     [&](JournalWriter& journal) {
                       const bool goes_on = step == UndoStep::kLast && history_.editsToUndo() > 1;
                       journal.edit(commands, goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
+                      if (checkpoints_) checkpoints_->edited(commands, goes_on, watch.seconds(), history_.done());
                     });
 }
 
@@ -88,6 +102,7 @@ Engine::EditResult EditSession::undo(std::int64_t now_ns) {
   return journalled([&] { missing_.noteReplace(history_.bricksToUndo()); }, [&] { return history_.undo(now_ns); },
                     [&](JournalWriter& journal) {
                       for (std::size_t i = 0; i < edits; ++i) journal.undo();
+                      if (checkpoints_) checkpoints_->undone();
                     });
 }
 
@@ -96,6 +111,7 @@ Engine::EditResult EditSession::redo(std::int64_t now_ns) {
   return journalled([&] { missing_.noteReplace(history_.bricksToRedo()); }, [&] { return history_.redo(now_ns); },
                     [&](JournalWriter& journal) {
                       for (std::size_t i = 0; i < edits; ++i) journal.redo();
+                      if (checkpoints_) checkpoints_->redone();
                     });
 }
 
@@ -142,7 +158,7 @@ void EditSession::feedSaver(std::int64_t now_ns) {
   // kBricksAtOnce, and the save begins.
   const Then then = !errands_.empty() ? Then::kErrand : save_due ? Then::kSave : Then::kNothing;
   const bool hurries = save_due || !errands_.empty() || missing_.size() >= kMostMissing;
-  handOver(kBricksAtOnce + (hurries ? more : 0), then);
+  handOver(kBricksAtOnce + (hurries ? more : 0), then, now_ns);
   bricks_left_ = engine_->changedBricks();
   if (!due || bricks_left_ > 0) return;
   if (then == Then::kSave) next_save_ns_ = now_ns + save_period_ns_;
@@ -171,14 +187,12 @@ void EditSession::holdBack() {
 
 // If bricks were taken from the editor and did not arrive, they would be missing in every later file. Then no file is
 // written any more.
-void EditSession::handOver(std::size_t most, Then then) {
+void EditSession::handOver(std::size_t most, Then then, std::int64_t now_ns) {
   try {
-    if (!held_back_.empty()) {  // whole by itself, whatever becomes of the rest
-      saver_->give(std::exchange(held_back_, {}), BackgroundSaver::Completes::kVersion);
-      return;
-    }
+    if (!held_back_.empty()) return giveHeldBack();
     std::vector<BrickContent> bricks;
     if (engine_ != nullptr) bricks = engine_->takeChanged(most);
+    if (checkpoints_) checkpoints_->note(bricks);
     const std::uint64_t version = engine_ != nullptr ? engine_->editVersion() : left_version_;
     const bool complete = changedBricks() == 0;
     if (complete && then == Then::kErrand) {
@@ -186,6 +200,9 @@ void EditSession::handOver(std::size_t most, Then then) {
       errands_.pop_front();
     } else if (complete && then == Then::kSave) {
       saver_->give(std::move(bricks), version);
+    } else if (complete && checkpoints_ && checkpoints_->isDue(now_ns)) {
+      saver_->give(std::move(bricks), version,
+                   [write = checkpoints_->writer(now_ns)](const Volume& volume, std::uint64_t) { write(volume); });
     } else {
       saver_->give(std::move(bricks),
                    complete ? BackgroundSaver::Completes::kVersion : BackgroundSaver::Completes::kNothing);
@@ -199,6 +216,12 @@ void EditSession::handOver(std::size_t most, Then then) {
   }
 }
 
+// Whole by itself, whatever becomes of the rest.
+void EditSession::giveHeldBack() {
+  if (checkpoints_) checkpoints_->note(held_back_);
+  saver_->give(std::exchange(held_back_, {}), BackgroundSaver::Completes::kVersion);
+}
+
 std::size_t EditSession::changedBricks() const noexcept {
   return engine_ != nullptr ? engine_->changedBricks() : 0;
 }
@@ -206,20 +229,21 @@ std::size_t EditSession::changedBricks() const noexcept {
 void EditSession::leaveEngine() {
   saver_->wait();
   while (saver_usable_ && !engine_->broken() && engine_->changedBricks() > 0) {
-    handOver(kBricksAtOnce, Then::kNothing);
+    handOver(kBricksAtOnce, Then::kNothing, kNotSet);
     saver_->wait();
   }
   left_version_ = engine_->editVersion();
   engine_ = nullptr;
   lacks_edits_ = true;
   if (!held_back_.empty()) {
-    saver_->give(std::exchange(held_back_, {}), BackgroundSaver::Completes::kVersion);
+    giveHeldBack();
     saver_->wait();
   }
   Volume* const volume = saver_usable_ ? saver_->lend() : nullptr;
   if (volume == nullptr) throw lacksEdits();
   try {
-    missing_.makeIn(*volume, profile_);
+    const std::vector<std::uint32_t> made = missing_.makeIn(*volume, profile_);
+    if (checkpoints_) checkpoints_->note(made);
   } catch (const std::exception&) {
     throw lacksEdits();
   }
@@ -250,7 +274,7 @@ void EditSession::close() {
       }
     }
     const bool errand = !errands_.empty();
-    handOver(kBricksAtOnce, errand ? Then::kErrand : save ? Then::kSave : Then::kNothing);
+    handOver(kBricksAtOnce, errand ? Then::kErrand : save ? Then::kSave : Then::kNothing, kNotSet);
     saver_->wait();
     more = changedBricks() > 0 || errand;
   }

@@ -19,6 +19,7 @@
 
 #include "engine/journal/journal_writer.hpp"
 #include "engine/session/background_saver.hpp"
+#include "engine/session/checkpoint_keeper.hpp"
 #include "engine/session/edit_history.hpp"
 #include "engine/session/missing_changes.hpp"
 
@@ -39,8 +40,9 @@ struct EditFigures {
 class EditSession {
  public:
   // Calls allowEdits() with these kinds on `engine`, which outlives this or is left before. `history_bytes`: memory for
-  // undo; 0: no undo.
-  EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds, std::size_t history_bytes);
+  // undo; 0: no undo. `edits_before`: that the volume holds already, of the session before this one.
+  EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds, std::size_t history_bytes,
+              std::size_t edits_before = 0);
 
   // Keeps a journal in `folder` from now on. Call it before the first edit. Throws as JournalWriter does.
   void keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options = {});
@@ -53,6 +55,13 @@ class EditSession {
   // Cost: a copy of every brick that edits change, some ten times a second, and what MissingChanges keeps in between.
   void keepAbreast();
   [[nodiscard]] bool keepsAbreast() const noexcept { return keeps_abreast_; }
+  // Writes checkpoints into `folder`, in the saver's thread. After keepJournal() and keepAbreast(), before the first
+  // edit. `before`: the edits of `edits_before`, which go into the journal; `bricks`: what they may have changed.
+  // `told`: CheckpointKeeper.
+  void keepCheckpoints(const std::filesystem::path& folder, const JournalHeader& header,
+                       std::span<const LastingEdit> before, std::span<const std::uint32_t> bricks,
+                       std::function<void(const std::string&)> told,
+                       double edits_between_s = CheckpointKeeper::kEditsBetween_s);
   // The engine may go, also if it has failed: then the volume of keepSaved() has every edit that was made. Waits for a
   // file that is being written. Until goOnWith() nothing else is called but close(). Throws Error(kOutOfMemory) if the
   // copy on the CPU lacks edits; then nothing but close() may be called any more.
@@ -100,7 +109,8 @@ class EditSession {
   [[nodiscard]] bool isSaved() const;
   [[nodiscard]] std::size_t changedBricks() const noexcept;  // that the copy lacks
   enum class Then { kNothing, kSave, kErrand };              // once no changed brick is left
-  void handOver(std::size_t most, Then then);
+  void handOver(std::size_t most, Then then, std::int64_t now_ns);
+  void giveHeldBack();
   void holdBack();
   template <typename Change>
   Engine::EditResult timed(const Change& change);
@@ -112,6 +122,7 @@ class EditSession {
   BrushProfile profile_;
   EditHistory history_;
   std::optional<JournalWriter> journal_;
+  std::optional<CheckpointKeeper> checkpoints_;  // before the saver, which uses it
   std::optional<BackgroundSaver> saver_;
   // Most bricks that one feedSaver() copies: well under a millisecond, since the engine's thread must keep the window
   // current.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/bricks/brick_grid.hpp"
+#include "engine/edit/edit_reach.hpp"
 #include "engine/edit/lower_edit.hpp"
 #include "engine/field/brick_values.hpp"
 #include "engine/reference/edit.hpp"
@@ -36,13 +37,24 @@ void MissingChanges::clear() noexcept {
   bytes_ = 0;
 }
 
-void MissingChanges::makeIn(Volume& volume, const BrushProfile& profile) const {
+std::vector<std::uint32_t> MissingChanges::makeIn(Volume& volume, const BrushProfile& profile) const {
   const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
+  std::vector<std::uint32_t> bricks;
   for (const Change& change : changes_) {
-    if (!change.commands.empty())
-      reference::applyEdits(volume, lowerEdits(change.commands, volume.size(), volume.lattice(), profile));
-    for (const BrickContent& content : change.bricks) putBrick(volume, grid.brick(content.brick), content.values);
+    if (!change.commands.empty()) {
+      const LoweredEdits edits = lowerEdits(change.commands, volume.size(), volume.lattice(), profile);
+      for (const layout::EditCommand& command : edits.commands) {
+        const std::vector<std::uint32_t> reached = reachedBricks(command, grid);
+        bricks.insert(bricks.end(), reached.begin(), reached.end());
+      }
+      reference::applyEdits(volume, edits);
+    }
+    for (const BrickContent& content : change.bricks) {
+      bricks.push_back(content.brick);
+      putBrick(volume, grid.brick(content.brick), content.values);
+    }
   }
+  return bricks;
 }
 
 }  // namespace palpate

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <span>
 #include <vector>
@@ -27,7 +28,8 @@ class MissingChanges {
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }  // of commands and bricks
 
   // Makes them in a copy that lacks these alone, as the CPU twin of the brushes does: bit for bit what the engine held.
-  void makeIn(Volume& volume, const BrushProfile& profile) const;
+  // Returns the bricks that it may have changed, some of them more than once.
+  std::vector<std::uint32_t> makeIn(Volume& volume, const BrushProfile& profile) const;
 
  private:
   struct Change {  // one of the two

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/journal/checkpoint.hpp: what edits have made of a volume until some moment, as a file beside the journal. A
+// session that comes back after a crash puts it into the volume and makes only the later edits again.
+//
+// A checkpoint is no promise: the journal alone has everything. One that is missing, damaged, or of edits that were
+// undone since costs time, nothing else. Two are kept, and the earlier one is used, so that the edits between it and
+// the end can be undone. Format: docs/journal.md. Any thread, one at a time for a folder.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/journal/edit_trail.hpp"
+#include "engine/journal/replay.hpp"
+
+namespace palpate {
+
+inline constexpr std::size_t kCheckpoints = 2;
+using CheckpointMarks = std::array<std::optional<EditMark>, kCheckpoints>;
+[[nodiscard]] std::filesystem::path checkpointFile(const std::filesystem::path& folder, std::size_t number);
+
+// Writes what `bricks` (page indices, ascending) hold in `volume`, whole or not at all. Throws Error(kIo). Cost: 2 KiB
+// for each brick, and waiting for the disk.
+void writeCheckpoint(const std::filesystem::path& file, const EditMark& mark, const Volume& volume,
+                     std::span<const std::uint32_t> bricks);
+
+// What the files say that they are; empty: there is none that can be read.
+[[nodiscard]] CheckpointMarks checkpointMarks(const std::filesystem::path& folder);
+
+// A volume as the first edits of a journal made it.
+struct Headstart {
+  std::size_t edits = 0;              // that it holds
+  std::vector<std::uint32_t> bricks;  // that they may have changed, ascending
+};
+// Puts the earliest checkpoint of `edits` into `volume`, with which the journal begins. Without one: nothing, and the
+// volume is as it was.
+[[nodiscard]] Headstart putCheckpoint(const std::filesystem::path& folder, const JournalHeader& header,
+                                      std::span<const LastingEdit> edits, Volume& volume);
+
+void removeCheckpoints(const std::filesystem::path& folder) noexcept;
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/session/checkpoint_keeper.hpp"
+
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.hpp"
+#include "base/units.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kShareForWriting = 1. / 20;
+
+}  // namespace
+
+CheckpointKeeper::CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
+                                   std::function<void(const std::string&)> told, double edits_between_s)
+    : folder_(std::move(folder)),
+      trail_(header),
+      is_changed_(brick_count),
+      told_(std::move(told)),
+      edits_between_s_(edits_between_s),
+      marks_(checkpointMarks(folder_)) {}
+
+void CheckpointKeeper::begin(std::span<const LastingEdit> edits, std::span<const std::uint32_t> bricks) {
+  for (const LastingEdit& edit : edits) {
+    trail_.edit(edit.commands, false);
+    trail_.forgetAllBut(0);
+  }
+  note(bricks);
+}
+
+void CheckpointKeeper::edited(std::span<const EditCommand> commands, bool goes_on, double seconds,
+                              std::size_t undoable) noexcept {
+  trail_.edit(commands, goes_on);
+  trail_.forgetAllBut(undoable);
+  edits_s_ += seconds;
+}
+
+void CheckpointKeeper::note(std::span<const BrickContent> bricks) noexcept {
+  for (const BrickContent& content : bricks) is_changed_[content.brick] = true;
+}
+
+void CheckpointKeeper::note(std::span<const std::uint32_t> bricks) noexcept {
+  for (const std::uint32_t brick : bricks) is_changed_[brick] = true;
+}
+
+bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
+  if (std::exchange(attempt_.is_new, false)) {
+    if (attempt_.failed) marks_[attempt_.place].reset();
+    not_before_ns_ = attempt_.began_ns + std::llround(attempt_.seconds / kShareForWriting * kNanosecondsPerSecond);
+  }
+  return edits_s_ >= edits_between_s_ && edits_s_ > 0 && now_ns >= not_before_ns_ && trail_.mark();
+}
+
+// The newest stays, and the one before goes: or the other way round if edits of the newest were undone.
+std::size_t CheckpointKeeper::placeForNext() const noexcept {
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    if (!marks_[i] || !trail_.holds(*marks_[i])) return i;
+  }
+  return marks_[0]->edits < marks_[1]->edits ? 0 : 1;
+}
+
+std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns) {
+  const std::size_t place = placeForNext();
+  const EditMark mark = *trail_.mark();
+  marks_[place] = mark;
+  attempt_ = {.place = place, .began_ns = now_ns, .is_new = true};
+  edits_s_ = 0;
+  return [this, mark, place](const Volume& volume) { write(volume, mark, place); };
+}
+
+void CheckpointKeeper::write(const Volume& volume, const EditMark& mark, std::size_t place) {
+  const Stopwatch watch;
+  try {
+    std::vector<std::uint32_t> bricks;
+    for (std::size_t i = 0; i < is_changed_.size(); ++i) {
+      if (is_changed_[i]) bricks.push_back(static_cast<std::uint32_t>(i));
+    }
+    writeCheckpoint(checkpointFile(folder_, place), mark, volume, bricks);
+  } catch (const std::exception& error) {
+    attempt_.failed = true;
+    if (!std::exchange(was_told_, true))
+      told_(fmt::format("no checkpoint was written, so a start after a crash makes more edits again: {}", error.what()));
+  }
+  attempt_.seconds = watch.seconds();
+}
+
+}  // namespace palpate

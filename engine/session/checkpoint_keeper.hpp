@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/session/checkpoint_keeper.hpp: when a session writes which checkpoint (engine/journal/checkpoint.hpp), and of
+// which bricks.
+//
+// One is due once the edits since the last one took 0.3 s to make. So a session that comes back from its journal makes
+// edits of about twice that time again, however many there were. A large checkpoint comes less often: writing takes one
+// twentieth of the time at most. Threads: the engine's; what writer() returns runs in the saver's, and until it is done
+// no brick is noted and nothing else is asked. Memory: a bit for each brick of the volume, and the marks of the steps that can be undone.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/journal/checkpoint.hpp"
+#include "engine/service/brick_content.hpp"
+
+namespace palpate {
+
+class CheckpointKeeper {
+ public:
+  static constexpr double kEditsBetween_s = 0.3;
+  // `told` gets the words of a failure, once, in the saver's thread: edits go on, and a later start takes longer.
+  CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
+                   std::function<void(const std::string&)> told, double edits_between_s = kEditsBetween_s);
+
+  // Of the journal before the first edit of this session: what the volume holds already. Before all else.
+  void begin(std::span<const LastingEdit> edits, std::span<const std::uint32_t> bricks);
+
+  // Every change that was made, in order. `undoable`: EditHistory::done() after it.
+  void edited(std::span<const EditCommand> commands, bool goes_on, double seconds, std::size_t undoable) noexcept;
+  void undone() noexcept { trail_.undo(); }
+  void redone() noexcept { trail_.redo(); }
+  // Bricks that the saver's volume gets, whoever changed them.
+  void note(std::span<const BrickContent> bricks) noexcept;
+  void note(std::span<const std::uint32_t> bricks) noexcept;
+
+  // When the saver's volume holds every change: whether it is to be written, and what does that with it. The keeper
+  // outlives the saver.
+  [[nodiscard]] bool isDue(std::int64_t now_ns) noexcept;
+  [[nodiscard]] std::function<void(const Volume&)> writer(std::int64_t now_ns);
+
+ private:
+  [[nodiscard]] std::size_t placeForNext() const noexcept;
+  void write(const Volume& volume, const EditMark& mark, std::size_t place);
+
+  std::filesystem::path folder_;
+  EditTrail trail_;
+  std::vector<bool> is_changed_;
+  std::function<void(const std::string&)> told_;
+  double edits_between_s_;
+  CheckpointMarks marks_;
+  double edits_s_ = 0;  // that the newest checkpoint lacks
+  std::int64_t not_before_ns_ = std::numeric_limits<std::int64_t>::min();
+  // Of the last one that was begun. The saver's thread writes them before it is ready again.
+  struct Attempt {
+    std::size_t place = 0;
+    std::int64_t began_ns = 0;
+    double seconds = 0;
+    bool failed = false;
+    bool is_new = false;
+  };
+  Attempt attempt_;
+  bool was_told_ = false;
+};
+
+}  // namespace palpate
