@@ -81,7 +81,8 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   volume_->keepIsovalue(first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (request.outlives_its_engine) session_->keepAbreast();
-  if (checkpoints) session_->keepCheckpoints(journal_, {identity, profile}, std::span(earlier).first(held.edits), held.bricks, tell_);
+  if (checkpoints)
+    session_->keepCheckpoints(journal_, {identity, profile}, std::span(earlier).first(held.edits), held, tell_);
   edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
   makeAgain(std::span(earlier).subspan(held.edits), progress);
   if (journal && !journalHolds()) {

@@ -21,9 +21,14 @@
 #include "engine/journal/byte_stream.hpp"
 
 namespace palpate {
-namespace {
 
 namespace fs = std::filesystem;
+
+fs::path checkpointFile(const fs::path& folder, std::size_t number) {
+  return folder / fmt::format("checkpoint-{}.palpate", number);
+}
+
+namespace {
 
 constexpr std::string_view kMagic = "PALPCHKP";
 constexpr std::uint32_t kVersion = 1;
@@ -74,6 +79,21 @@ std::optional<Content> contentOf(std::string_view bytes) {
   return in.atEnd() ? std::optional(std::move(content)) : std::nullopt;
 }
 
+// What the files say that they are.
+CheckpointMarks marksIn(const fs::path& folder) {
+  CheckpointMarks marks;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(checkpointFile(folder, i), ignored)) continue;
+    std::ifstream file(checkpointFile(folder, i), std::ios::binary);
+    std::string head(kHeadBytes, '\0');
+    file.read(head.data(), static_cast<std::streamsize>(head.size()));
+    ByteReader in(std::string_view(head).substr(0, static_cast<std::size_t>(file.gcount())));
+    marks[i] = markIn(in);
+  }
+  return marks;
+}
+
 // Empty: it cannot be read, or not into memory.
 std::string bytesOf(const fs::path& file) {
   try {
@@ -94,10 +114,6 @@ bool isReached(const EditMark& mark, const JournalHeader& header, std::span<cons
 }
 
 }  // namespace
-
-fs::path checkpointFile(const fs::path& folder, std::size_t number) {
-  return folder / fmt::format("checkpoint-{}.palpate", number);
-}
 
 void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& volume,
                      std::span<const std::uint32_t> bricks) {
@@ -131,39 +147,36 @@ void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& v
   target.commit();
 }
 
-CheckpointMarks checkpointMarks(const fs::path& folder) {
-  CheckpointMarks marks;
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    std::ifstream file(checkpointFile(folder, i), std::ios::binary);
-    std::string head(kHeadBytes, '\0');
-    file.read(head.data(), static_cast<std::streamsize>(head.size()));
-    ByteReader in(std::string_view(head).substr(0, static_cast<std::size_t>(file.gcount())));
-    marks[i] = markIn(in);
-  }
-  return marks;
-}
-
 Headstart putCheckpoint(const fs::path& folder, const JournalHeader& header, std::span<const LastingEdit> edits,
                         Volume& volume) {
   const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
-  const CheckpointMarks marks = checkpointMarks(folder);
+  Headstart start{.edits = 0, .bricks = {}, .good = marksIn(folder)};
+  CheckpointMarks& marks = start.good;
+  for (std::optional<EditMark>& mark : marks) {
+    if (mark && !isReached(*mark, header, edits)) mark.reset();
+  }
   std::array<std::size_t, kCheckpoints> order{0, 1};
   std::ranges::sort(order, {}, [&](std::size_t i) { return marks[i] ? marks[i]->edits : 0; });
   for (const std::size_t number : order) {
-    if (!marks[number] || !isReached(*marks[number], header, edits)) continue;
+    if (!marks[number]) continue;
     const std::string bytes = bytesOf(checkpointFile(folder, number));
     std::optional<Content> content = contentOf(bytes);
-    if (!content || content->mark != *marks[number]) continue;
-    if (!content->bricks.empty() && content->bricks.back() >= grid.brickCount()) continue;
+    if (!content || content->mark != *marks[number] ||
+        (!content->bricks.empty() && content->bricks.back() >= grid.brickCount())) {
+      marks[number].reset();
+      continue;
+    }
     for (std::size_t i = 0; i < content->bricks.size(); ++i) {
       std::array<float, kBrickVoxels> values{};
       const std::string_view from = content->values[i];
       std::memcpy(values.data(), from.data(), from.size());
       putBrick(volume, grid.brick(content->bricks[i]), std::span(values).first(from.size() / sizeof(float)));
     }
-    return {content->mark.edits, std::move(content->bricks)};
+    start.edits = content->mark.edits;
+    start.bricks = std::move(content->bricks);
+    return start;
   }
-  return {};
+  return start;
 }
 
 void removeCheckpoints(const fs::path& folder) noexcept {

@@ -28,15 +28,13 @@ using CheckpointMarks = std::array<std::optional<EditMark>, kCheckpoints>;
 void writeCheckpoint(const std::filesystem::path& file, const EditMark& mark, const Volume& volume,
                      std::span<const std::uint32_t> bricks);
 
-// What the files say that they are; empty: there is none that can be read.
-[[nodiscard]] CheckpointMarks checkpointMarks(const std::filesystem::path& folder);
-
 // A volume as the first edits of a journal made it.
 struct Headstart {
   std::size_t edits = 0;              // that it holds
   std::vector<std::uint32_t> bricks;  // that they may have changed, ascending
+  CheckpointMarks good;               // of the files, as far as these edits lead through them
 };
-// Puts the earliest checkpoint of `edits` into `volume`, with which the journal begins. Without one: nothing, and the
+// Puts the earliest checkpoint of `edits` into `volume`, with which the journal begins. Without one: no edit, and the
 // volume is as it was.
 [[nodiscard]] Headstart putCheckpoint(const std::filesystem::path& folder, const JournalHeader& header,
                                       std::span<const LastingEdit> edits, Volume& volume);

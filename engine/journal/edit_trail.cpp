@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/edit_trail.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include "engine/journal/byte_stream.hpp"
@@ -60,15 +59,6 @@ void EditTrail::forgetAllBut(std::size_t steps) noexcept {
 
 std::optional<EditMark> EditTrail::mark() const noexcept {
   return lost_ ? std::nullopt : std::optional(marks_[at_]);
-}
-
-bool EditTrail::holds(const EditMark& mark) const noexcept {
-  if (lost_ || mark.edits > marks_[at_].edits) return false;
-  if (mark.edits < marks_.front().edits) return true;  // nothing before that can be undone
-  // Within a step that can be undone no mark is kept; such a copy holds as long as the step's end is in effect.
-  const auto end = marks_.begin() + static_cast<std::ptrdiff_t>(at_) + 1;
-  const auto reached = std::find_if(marks_.begin(), end, [&](const EditMark& m) { return m.edits >= mark.edits; });
-  return reached->edits > mark.edits || *reached == mark;
 }
 
 }  // namespace palpate

@@ -38,8 +38,6 @@ class EditTrail {
   void forgetAllBut(std::size_t steps) noexcept;
 
   [[nodiscard]] std::optional<EditMark> mark() const noexcept;
-  // Whether `mark`, which was in effect at some time, still is: no edit of it was undone.
-  [[nodiscard]] bool holds(const EditMark& mark) const noexcept;
 
  private:
   [[nodiscard]] EditMark after(const EditMark& before, std::span<const EditCommand> commands);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/session/checkpoint_keeper.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <utility>
@@ -23,15 +24,15 @@ CheckpointKeeper::CheckpointKeeper(std::filesystem::path folder, const JournalHe
       trail_(header),
       is_changed_(brick_count),
       told_(std::move(told)),
-      edits_between_s_(edits_between_s),
-      marks_(checkpointMarks(folder_)) {}
+      edits_between_s_(edits_between_s) {}
 
-void CheckpointKeeper::begin(std::span<const LastingEdit> edits, std::span<const std::uint32_t> bricks) {
+void CheckpointKeeper::begin(std::span<const LastingEdit> edits, const Headstart& held) {
   for (const LastingEdit& edit : edits) {
     trail_.edit(edit.commands, false);
     trail_.forgetAllBut(0);
   }
-  note(bricks);
+  note(held.bricks);
+  marks_ = held.good;
 }
 
 void CheckpointKeeper::edited(std::span<const EditCommand> commands, bool goes_on, double seconds,
@@ -39,6 +40,16 @@ void CheckpointKeeper::edited(std::span<const EditCommand> commands, bool goes_o
   trail_.edit(commands, goes_on);
   trail_.forgetAllBut(undoable);
   edits_s_ += seconds;
+  if (const std::optional<EditMark> now = trail_.mark(); now && std::ranges::find(marks_, now) != marks_.end())
+    edits_s_ = 0;  // made again, up to where the other file is
+}
+
+void CheckpointKeeper::undone() noexcept {
+  trail_.undo();
+  const std::optional<EditMark> now = trail_.mark();
+  for (std::optional<EditMark>& mark : marks_) {
+    if (mark && now && mark->edits > now->edits) mark.reset();  // also if it is done again: that is rare
+  }
 }
 
 void CheckpointKeeper::note(std::span<const BrickContent> bricks) noexcept {
@@ -57,10 +68,10 @@ bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
   return edits_s_ >= edits_between_s_ && edits_s_ > 0 && now_ns >= not_before_ns_ && trail_.mark();
 }
 
-// The newest stays, and the one before goes: or the other way round if edits of the newest were undone.
+// The newest stays, and the one before goes.
 std::size_t CheckpointKeeper::placeForNext() const noexcept {
   for (std::size_t i = 0; i < marks_.size(); ++i) {
-    if (!marks_[i] || !trail_.holds(*marks_[i])) return i;
+    if (!marks_[i]) return i;
   }
   return marks_[0]->edits < marks_[1]->edits ? 0 : 1;
 }
@@ -85,7 +96,8 @@ void CheckpointKeeper::write(const Volume& volume, const EditMark& mark, std::si
   } catch (const std::exception& error) {
     attempt_.failed = true;
     if (!std::exchange(was_told_, true))
-      told_(fmt::format("no checkpoint was written, so a start after a crash makes more edits again: {}", error.what()));
+      told_(
+          fmt::format("no checkpoint was written, so a start after a crash makes more edits again: {}", error.what()));
   }
   attempt_.seconds = watch.seconds();
 }

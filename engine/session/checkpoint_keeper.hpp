@@ -5,7 +5,8 @@
 // One is due once the edits since the last one took 0.3 s to make. So a session that comes back from its journal makes
 // edits of about twice that time again, however many there were. A large checkpoint comes less often: writing takes one
 // twentieth of the time at most. Threads: the engine's; what writer() returns runs in the saver's, and until it is done
-// no brick is noted and nothing else is asked. Memory: a bit for each brick of the volume, and the marks of the steps that can be undone.
+// no brick is noted and nothing else is asked. Memory: a bit for each brick of the volume, and the marks of the steps
+// that can be undone.
 #pragma once
 
 #include <cstddef>
@@ -30,12 +31,12 @@ class CheckpointKeeper {
   CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
                    std::function<void(const std::string&)> told, double edits_between_s = kEditsBetween_s);
 
-  // Of the journal before the first edit of this session: what the volume holds already. Before all else.
-  void begin(std::span<const LastingEdit> edits, std::span<const std::uint32_t> bricks);
+  // The edits that the volume holds already, as putCheckpoint() left it. Before all else.
+  void begin(std::span<const LastingEdit> edits, const Headstart& held);
 
   // Every change that was made, in order. `undoable`: EditHistory::done() after it.
   void edited(std::span<const EditCommand> commands, bool goes_on, double seconds, std::size_t undoable) noexcept;
-  void undone() noexcept { trail_.undo(); }
+  void undone() noexcept;
   void redone() noexcept { trail_.redo(); }
   // Bricks that the saver's volume gets, whoever changed them.
   void note(std::span<const BrickContent> bricks) noexcept;
@@ -55,8 +56,8 @@ class CheckpointKeeper {
   std::vector<bool> is_changed_;
   std::function<void(const std::string&)> told_;
   double edits_between_s_;
-  CheckpointMarks marks_;
-  double edits_s_ = 0;  // that the newest checkpoint lacks
+  CheckpointMarks marks_;  // of the files; empty: it may be overwritten
+  double edits_s_ = 0;     // that the newest checkpoint lacks
   std::int64_t not_before_ns_ = std::numeric_limits<std::int64_t>::min();
   // Of the last one that was begun. The saver's thread writes them before it is ready again.
   struct Attempt {

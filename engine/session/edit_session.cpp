@@ -40,11 +40,11 @@ void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeI
 }
 
 void EditSession::keepCheckpoints(const std::filesystem::path& folder, const JournalHeader& header,
-                                  std::span<const LastingEdit> before, std::span<const std::uint32_t> bricks,
+                                  std::span<const LastingEdit> before, const Headstart& held,
                                   std::function<void(const std::string&)> told, double edits_between_s) {
   const BrickGrid grid{header.volume.size, header.volume.lattice.spacing_m};
   checkpoints_.emplace(folder, header, grid.brickCount(), std::move(told), edits_between_s);
-  checkpoints_->begin(before, bricks);
+  checkpoints_->begin(before, held);
   for (const LastingEdit& edit : before)
     journal_->edit(edit.commands, edit.goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
 }

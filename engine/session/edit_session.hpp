@@ -56,10 +56,10 @@ class EditSession {
   void keepAbreast();
   [[nodiscard]] bool keepsAbreast() const noexcept { return keeps_abreast_; }
   // Writes checkpoints into `folder`, in the saver's thread. After keepJournal() and keepAbreast(), before the first
-  // edit. `before`: the edits of `edits_before`, which go into the journal; `bricks`: what they may have changed.
+  // edit. `before`: the edits of `edits_before`, which go into the journal; `held`: what putCheckpoint() said of them.
   // `told`: CheckpointKeeper.
   void keepCheckpoints(const std::filesystem::path& folder, const JournalHeader& header,
-                       std::span<const LastingEdit> before, std::span<const std::uint32_t> bricks,
+                       std::span<const LastingEdit> before, const Headstart& held,
                        std::function<void(const std::string&)> told,
                        double edits_between_s = CheckpointKeeper::kEditsBetween_s);
   // The engine may go, also if it has failed: then the volume of keepSaved() has every edit that was made. Waits for a

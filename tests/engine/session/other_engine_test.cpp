@@ -59,6 +59,9 @@ class Wandering {
     session.keepJournal(folder.path() / "journal", header.volume);
     session.keepSaved(volume, {}, 0);
     session.keepAbreast();
+    // A checkpoint with every copy: more often than one would ever be due.
+    session.keepCheckpoints(
+        folder.path() / "journal", header, {}, {}, [](const std::string& why) { ADD_FAILURE() << why; }, 0);
     contents_.push_back(contentHash(twin_));
     note();
   }
@@ -87,6 +90,7 @@ class Wandering {
         ++asked;
         return;
       case 8:
+        return comeBack();
       case 9:
       case 10:
       case 11:
@@ -97,6 +101,21 @@ class Wandering {
       default:
         edit();
     }
+  }
+
+  // Killed at this moment: what is on the disk gives the volume, with a checkpoint or without.
+  void comeBack() {
+    ASSERT_TRUE(session.flushJournal());
+    const Journal journal = readJournal(folder.path() / "journal");
+    const std::vector<LastingEdit> lasting = lastingEdits(journal);
+    ASSERT_EQ(lasting.size(), done_);
+    Volume back = sampleVolume(8, kSize);
+    const Headstart held = putCheckpoint(folder.path() / "journal", journal.header, lasting, back);
+    ASSERT_EQ(contentHash(back), contents_[held.edits]);
+    for (const LastingEdit& edit : std::span(lasting).subspan(held.edits))
+      reference::applyEdits(back, lowerEdits(edit.commands, kSize, back.lattice(), header.profile));
+    ASSERT_EQ(contentHash(back), contents_[done_]);
+    with_checkpoint += held.edits > 0;
   }
 
   void goOn() {
@@ -167,7 +186,7 @@ class Wandering {
   TemporaryFolder folder;
   Volume volume = sampleVolume(8, kSize);
   JournalHeader header = sampleHeader(volume);
-  int engines = 0, broken = 0;
+  int engines = 0, broken = 0, with_checkpoint = 0;
   std::size_t asked = 0;
 
  private:
@@ -187,7 +206,7 @@ class Wandering {
 };
 
 TEST(OtherEngine, NothingIsLost) {
-  int engines = 0, broken = 0;
+  int engines = 0, broken = 0, with_checkpoint = 0;
   const unsigned seeds = isLongRun() ? 40 : 2;
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     Wandering wandering(seed);
@@ -195,9 +214,11 @@ TEST(OtherEngine, NothingIsLost) {
     ASSERT_NO_FATAL_FAILURE(wandering.expectAll()) << seed;
     engines += wandering.engines;
     broken += wandering.broken;
+    with_checkpoint += wandering.with_checkpoint;
   }
   EXPECT_GE(engines, 12);
   EXPECT_GE(broken, 3);
+  EXPECT_GE(with_checkpoint, 3);
 }
 
 // It is whole, and gone: whatever the saver has not taken in.
