@@ -66,6 +66,7 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   checkIsovalue(*volume_, first_isovalue_);
   const auto stopIfInterrupted = [this] { throwIfInterrupted(work_); };
   stopIfInterrupted();
+  if (request.look) request.look(*volume_, first_isovalue_);
   const bool checkpoints = request.outlives_its_engine && !journal_.empty();
   const VolumeIdentity identity = journal_.empty() ? VolumeIdentity{} : identityOf(*volume_);
   const std::vector<LastingEdit> earlier = journal ? lastingEdits(*journal) : std::vector<LastingEdit>{};

@@ -27,6 +27,7 @@
 namespace palpate {
 
 struct LiveVolumeRequest {
+  using Look = std::function<void(const Volume& volume, double isovalue)>;
   std::string volume = {};               // as loadVolume takes it
   std::optional<double> isovalue = {};   // empty: as `palpate touch` chooses it [density]
   std::string gpu = {};                  // part of the Vulkan device's name; empty: the best one
@@ -36,6 +37,7 @@ struct LiveVolumeRequest {
   std::filesystem::path recovers = {};   // journal of a session of this volume, whose edits are made again first; with
                                          // outlives_its_engine, from the checkpoints in `journal` on
   std::string recovers_else = {};        // what to do if that cannot be; empty: what the journal's reader says
+  Look look = {};                        // at the volume without an edit, for facts that a crash must not change
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
   bool outlives_its_engine = false;      // makeEngineAnew() may be called: EditSession::keepAbreast()
   std::string work = {};                 // names the verb in messages: "palpate sculpt"

@@ -187,6 +187,7 @@ void RigEdits::noteState() {
   if (state_.edits != session_.edits()) state_.steps = session_.history().labels();
   state_.done = session_.history().done();
   state_.undone = state_.steps.size() - state_.done;
+  state_.forgotten = session_.history().forgotten();
   state_.edits = session_.edits();
   state_.content_version = session_.contentVersion();
 }

@@ -65,6 +65,7 @@ class RigEdits {
     std::uint64_t content_version = 0;  // EditSession::contentVersion()
     std::size_t done = 0;               // steps that can be undone
     std::size_t undone = 0;             // and redone
+    std::size_t forgotten = 0;          // edits in effect that cannot be undone any more
     std::size_t waiting = 0;            // requests
     bool editing = true;                // false: the device has failed, and nothing more is edited
   };

@@ -75,7 +75,7 @@ void checkServable(const Scene& scene) {
 }
 
 ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& journal, Progress& progress,
-                           const Tell& tell)
+                           const Tell& tell, const LiveVolumeRequest::Look& look)
     : filter_(scene.filter) {
   journal_.emplace(journal);
   const Plan plan = servedPlan(scene);
@@ -87,6 +87,11 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
                                   .journal = journal,
                                   .recovers = journal_->earlier(),
                                   .recovers_else = remedyFor(journal_->earlier()),
+                                  .look =
+                                      [&](const Volume& volume, double isovalue) {
+                                        unfiltered_scale_ = densityScaleOf(volume, isovalue);
+                                        if (look) look(volume, isovalue);
+                                      },
                                   .outlives_its_engine = true,
                                   .work = "palpate serve"},
                 progress, tell);
@@ -109,9 +114,8 @@ void ServedEngine::makeAnew(const Scene& scene) {
 
 void ServedEngine::noteFelt(const Plan& plan) {
   Engine& engine = live_->engine();
-  const Volume& volume = live_->volume();
-  scale_ = engine.filters() ? densityScaleOf(engine.filtered(volume.facts()), engine.isovalue())
-                            : densityScaleOf(volume, engine.isovalue());
+  scale_ = engine.filters() ? densityScaleOf(engine.filtered(live_->volume().facts()), engine.isovalue())
+                            : unfiltered_scale_;
   plan_ = planLines(plan, engine.planFacts());
   can_change_isovalue_ = plan.request.other_isovalues;
   gradient_everywhere_ = engine.gradientEverywhere();

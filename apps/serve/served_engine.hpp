@@ -35,8 +35,9 @@ class ServedEngine {
  public:
   using Tell = std::function<void(const std::string&)>;
   // `journal`: its folder; empty: none. Throws Error: as LiveVolume and KeptJournal do; of a journal that does not fit
-  // the volume it says what to do with it.
-  ServedEngine(const Scene& scene, const std::filesystem::path& journal, Progress& progress, const Tell& tell);
+  // the volume it says what to do with it. `look`: LiveVolumeRequest.
+  ServedEngine(const Scene& scene, const std::filesystem::path& journal, Progress& progress, const Tell& tell,
+               const LiveVolumeRequest::Look& look = {});
 
   // Another engine, from the CPU's copy of the volume with every edit, for this scene's filters. Throws as
   // LiveVolume::makeEngineAnew().
@@ -62,7 +63,7 @@ class ServedEngine {
   Vec3i size_;
   Lattice lattice_;
   SeenExtent seen_;
-  DensityScale scale_;
+  DensityScale scale_, unfiltered_scale_;
   std::vector<PlanLine> plan_;
   bool can_change_isovalue_ = true, gradient_everywhere_ = false;
 };

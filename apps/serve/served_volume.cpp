@@ -54,7 +54,12 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
     : commit_(request.commit), tell_(std::move(tell)), journal_(request.journal), first_scene_(request.scene) {
   checkServable(first_scene_);
   scene_ = withUsual(first_scene_);
-  engine_ = std::make_unique<ServedEngine>(first_scene_, journal_, progress, tell_);
+  engine_ = std::make_unique<ServedEngine>(first_scene_, journal_, progress, tell_,
+                                           [this](const Volume& volume, double isovalue) {
+                                             if (hasPath(first_scene_))
+                                               way_ = scriptedPath(first_scene_, VolumeSurface(volume, isovalue)).path;
+                                             seen_volume_.statistics = statisticsOf(volume);
+                                           });
   LiveVolume& live = engine_->live();
   first_isovalue_ = live.firstIsovalue();
   scene_.isovalue = first_isovalue_;
@@ -62,8 +67,7 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
   lattice_ = engine_->lattice();
   profile_ = live.engine().profile();
   box_ = boxOf(lattice_, size_);
-  if (hasPath(first_scene_)) way_ = scriptedPath(first_scene_, VolumeSurface(live.volume(), first_isovalue_)).path;
-  seen_volume_ = {first_scene_.volume, size_, lattice_, statisticsOf(live.volume()), engine_->seen()};
+  seen_volume_ = {first_scene_.volume, size_, lattice_, seen_volume_.statistics, engine_->seen()};
   window_samples_ = live.engine().windowCapacity();
   noteMemory(monotonicNow_ns());
 }
@@ -94,7 +98,8 @@ void ServedVolume::close() {
     // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
     LiveVolume& live = engine_->live();
     if (live.hasEngine()) live.edits().doWaiting(0);
-    const bool has_edits = live.edits().counts().done > 0;
+    const RigEdits::Counts counts = live.edits().counts();
+    const bool has_edits = counts.done + counts.forgotten > 0;
     live.close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
     settle();
     if (!failure_ && has_edits && live.keepsJournal())

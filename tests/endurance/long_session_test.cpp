@@ -5,8 +5,10 @@
 // PALPATE_SESSION_EDITS: how many at least (1000; `./dev kills` takes 30 for each kill).
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -32,18 +34,27 @@ class LongSession : public ServiceTest {
 
   // Dabs in random places by several clients at once, as fast as they are on the disk.
   void edit(int count) const {
-    constexpr int kClients = 8;
+    askAtOnce(count, [](int i) {
+      std::mt19937 random(static_cast<unsigned>(i));
+      std::uniform_real_distribution<double> place_mm(-25, 25);
+      const double x_mm = place_mm(random), y_mm = place_mm(random), z_mm = place_mm(random);
+      return std::pair(wire::Verb::Edit, Words{fmt::format("{}:radius=1.5mm:at={:.3f},{:.3f},{:.3f}mm",
+                                                           i % 3 == 0 ? "add" : "remove", x_mm, y_mm, z_mm)});
+    });
+  }
+  void undoAll() const {
+    askAtOnce(static_cast<int>(figure("undoable")), [](int) { return std::pair(wire::Verb::Undo, Words{}); });
+    EXPECT_EQ(figure("undoable"), 0);
+  }
+  void askAtOnce(int count, const std::function<std::pair<wire::Verb, Words>(int)>& question) const {
+    constexpr int kClients = 16;
     std::vector<std::jthread> clients;
     for (int c = 0; c < kClients; ++c) {
-      clients.emplace_back([this, c, count] {
-        std::mt19937 random(static_cast<unsigned>(c));
-        std::uniform_real_distribution<double> place_mm(-25, 25);
+      clients.emplace_back([this, c, count, &question] {
         ServiceClient client(socket());
         for (int i = c; i < count; i += kClients) {
-          const std::string text =
-              fmt::format("{}:radius=1.5mm:at={:.3f},{:.3f},{:.3f}mm", i % 3 == 0 ? "add" : "remove", place_mm(random),
-                          place_mm(random), place_mm(random));
-          static_cast<void>(client.ask(wire::Verb::Edit, {text}));
+          auto [verb, words] = question(i);
+          static_cast<void>(client.ask(verb, std::move(words)));
         }
       });
     }
@@ -59,6 +70,31 @@ class LongSession : public ServiceTest {
     }
     return found;
   }
+  // At least so many edits, and until there are two. How many it were.
+  int editUntilCheckpoints(int least) const {
+    int edits = 0;
+    for (int round = 0; edits < least || (checkpoints().size() < 2 && round < 100); ++round) {
+      const int more = std::max(500, least - edits);
+      edit(more);
+      edits += more;
+    }
+    EXPECT_EQ(checkpoints().size(), 2U);
+    return edits;
+  }
+  // The size of the largest [byte].
+  [[nodiscard]] std::uintmax_t removeCheckpoints() const {
+    std::uintmax_t bytes = 0;
+    for (const fs::path& path : checkpoints()) {
+      bytes = std::max(bytes, fs::file_size(path));
+      fs::remove(path);
+    }
+    return bytes;
+  }
+  void stop() {
+    ASSERT_EQ(ctl({"stop"}).status, 0);
+    for (int look = 0; look < 500 && !engine.hasEnded(); ++look)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   // Kills it, starts it, and waits until it answers [s].
   double comeBack() {
     engine.end(SIGKILL);
@@ -73,15 +109,10 @@ class LongSession : public ServiceTest {
 TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   const int least = static_cast<int>(numberOf("PALPATE_SESSION_EDITS", 1000));
   const double empty_s = comeBack();
-  int edits = 0;
-  for (int round = 0; edits < least || (checkpoints().size() < 2 && round < 100); ++round) {
-    const int more = std::max(500, least - edits);
-    edit(more);
-    edits += more;
-  }
+  const std::uint64_t start = contentSavedAs("start.vdb");
+  const int edits = editUntilCheckpoints(least);
   ASSERT_EQ(figure("undoable"), edits);
   const std::uint64_t content = contentSavedAs("before.vdb");
-  ASSERT_EQ(checkpoints().size(), 2U);
   const double with_s = comeBack();
   EXPECT_EQ(contentSavedAs("with.vdb"), content);
   const double again = figure("undoable");
@@ -105,24 +136,27 @@ TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   EXPECT_NE(contentSavedAs("more.vdb"), content);
   ASSERT_EQ(ctl({"undo"}).status, 0);
   EXPECT_EQ(contentSavedAs("less.vdb"), content);
-  const std::vector<fs::path> files = checkpoints();
-  ASSERT_EQ(files.size(), 2U);
-  std::uintmax_t bytes = 0;
-  for (const fs::path& path : files) {
-    bytes = std::max(bytes, fs::file_size(path));
-    fs::remove(path);
-  }
+  const std::uintmax_t bytes = removeCheckpoints();
   const double without_s = comeBack();
   EXPECT_EQ(contentSavedAs("without.vdb"), content);
   EXPECT_EQ(figure("undoable"), edits);
 
-  // A journal that is not needed any more takes them along.
-  ASSERT_EQ(ctl({"edit", "add:radius=3mm:at=0,0,28mm"}).status, 0);
-  ASSERT_EQ(ctl({"undo"}).status, 0);
-  ASSERT_EQ(ctl({"save", "end.vdb"}).status, 0);
-  ASSERT_EQ(ctl({"stop"}).status, 0);
-  for (int look = 0; look < 500 && !engine.hasEnded(); ++look)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  // Edits that cannot be undone are edits, too, when a service ends in good order.
+  editUntilCheckpoints(0);
+  static_cast<void>(comeBack());
+  undoAll();
+  const std::uint64_t left = contentSavedAs("left.vdb");
+  EXPECT_NE(left, start);
+  stop();
+  serveIt();
+  ASSERT_TRUE(awaitService()) << contentsOf(file("serve.log"));
+  EXPECT_EQ(contentSavedAs("left-again.vdb"), left);
+  // A journal without an edit in effect goes, and the checkpoints with it.
+  static_cast<void>(removeCheckpoints());
+  static_cast<void>(comeBack());
+  undoAll();
+  EXPECT_EQ(contentSavedAs("none.vdb"), start);
+  stop();
   EXPECT_TRUE(checkpoints().empty());
 
   BenchResult result = beginEndurance("service-return", run({"--version"}).out, "./dev kills 1000");
