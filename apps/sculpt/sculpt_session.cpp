@@ -9,6 +9,7 @@
 
 #include "apps/held/held_device.hpp"
 #include "apps/held/held_words.hpp"
+#include "apps/rig/remote_windows.hpp"
 #include "apps/servo_setup/contact_bounds.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "apps/servo_side/servo_process.hpp"
@@ -104,12 +105,7 @@ void SculptSession::makeRemote() {
                                                                .told_ticks = kKeptTicks,
                                                                .window_samples = engine.windowCapacity(),
                                                                .commit = commit_});
-  LinkMemory& memory = remote_->memory();
-  engine.shareWindows({.block = &memory.windows(),
-                       .samples = memory.samples(),
-                       .capacity = memory.capacity(),
-                       .bytes = memory.windowBytes(),
-                       .first_version = remote_->firstVersion()});
+  publishTo(*remote_, engine);
   last_.reset();
 }
 

@@ -11,6 +11,7 @@
 #include "apps/convert/convert_job.hpp"
 #include "apps/held/held_device.hpp"
 #include "apps/render/fit_camera.hpp"
+#include "apps/rig/remote_windows.hpp"
 #include "apps/serve/flat_heap.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
@@ -272,12 +273,7 @@ RigSettings ServedVolume::settingsOf(const Scene& scene) const {
 void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   LiveVolume& live = engine_->live();
   Engine& engine = live.engine();
-  LinkMemory& memory = next->memory();
-  engine.shareWindows({.block = &memory.windows(),
-                       .samples = memory.samples(),
-                       .capacity = memory.capacity(),
-                       .bytes = memory.windowBytes(),
-                       .first_version = next->firstVersion()});
+  publishTo(*next, engine);
   servo_ = std::move(next);  // only now may the former one's memory go
   {
     const std::lock_guard lock(mutex_);

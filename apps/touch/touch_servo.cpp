@@ -6,6 +6,7 @@
 
 #include "apps/held/held_device.hpp"
 #include "apps/held/held_words.hpp"
+#include "apps/rig/remote_windows.hpp"
 #include "apps/servo_setup/contact_bounds.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
@@ -48,12 +49,7 @@ void TouchServo::makeThere(const Scene& scene, const TouchPlace& place, Engine& 
                                                     .window_samples = engine.windowCapacity(),
                                                     .recorded_reads = scene.record.empty() ? 0 : mostReads(scene),
                                                     .commit = place.commit});
-  LinkMemory& memory = remote_->memory();
-  engine.shareWindows({.block = &memory.windows(),
-                       .samples = memory.samples(),
-                       .capacity = memory.capacity(),
-                       .bytes = memory.windowBytes(),
-                       .first_version = remote_->firstVersion()});
+  publishTo(*remote_, engine);
   std::optional<Placement> placed;
   if (remote_->placed()) placed = {.scale = remote_->placed()->scale, .force_scale = remote_->placed()->force_scale};
   chooseContact(scene, place, placed, remote_->session());

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "apps/live/live_volume.hpp"
+#include "apps/rig/remote_windows.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/servo_side/remote_servo.hpp"
@@ -65,11 +66,7 @@ TEST(SimulatedDay, MemoryIsFlat) {
   {
     RemoteServo servo(std::move(ours),
                       {.scene = scene, .box = {}, .way = &path, .window_samples = live.engine().windowCapacity()});
-    LinkMemory& memory = servo.memory();
-    live.engine().shareWindows({.block = &memory.windows(),
-                                .samples = memory.samples(),
-                                .capacity = memory.capacity(),
-                                .bytes = memory.windowBytes()});
+    publishTo(servo, live.engine());
     LoopParameters loop = loopParameters(scene);
     loop.record_ticks = 1;
     TouchRig rig(live.engine(), servo, loop, RigVolume{.scale = densityScaleOf(live.volume(), live.firstIsovalue())},

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
+#include "apps/rig/remote_windows.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/servo_side/remote_servo.hpp"
@@ -88,11 +89,7 @@ class RemoteRig : public testing::Test {
     Host host;
     RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
     Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
-    LinkMemory& memory = servo.memory();
-    engine.shareWindows({.block = &memory.windows(),
-                         .samples = memory.samples(),
-                         .capacity = memory.capacity(),
-                         .bytes = memory.windowBytes()});
+    publishTo(servo, engine);
     TouchRig rig(engine, servo, loopParameters(scene), rigVolume(), rigSettings(scene, phantom->isovalue()));
     LoopResult result = rig.runSimulated({}, [&](std::int64_t tick, std::int64_t) { act(rig, tick); });
     host.join();
@@ -342,12 +339,7 @@ class StayingServo : public RemoteRig {
     LiveTicks ticks(4096);
     if (told_ticks > 0) servo.tellTicksTo(ticks);
     Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
-    LinkMemory& memory = servo.memory();
-    engine.shareWindows({.block = &memory.windows(),
-                         .samples = memory.samples(),
-                         .capacity = memory.capacity(),
-                         .bytes = memory.windowBytes(),
-                         .first_version = servo.firstVersion()});
+    publishTo(servo, engine);
     first_versions.push_back(servo.firstVersion());
     RigSettings settings = rigSettings(scene, phantom->isovalue());
     if (stiffness > 0) settings.parameters.stiffness_N_per_m = stiffness;
