@@ -54,6 +54,7 @@ TEST(SimulatedDay, MemoryIsFlat) {
   LiveVolume live({.volume = scene.volume,
                    .plan = makePlan({.edits = true}),
                    .journal = folder.path() / "journal",
+                   .outlives_its_engine = true,
                    .work = "the test"},
                   silent, [&](const std::string& words) { told += words + "\n"; });
   const SampledPath path = way(scene.duration_s);
