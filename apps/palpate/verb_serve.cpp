@@ -28,6 +28,7 @@
 namespace palpate {
 namespace {
 
+constexpr double kEnginesEnd_s = 600;  // it may have a large file to write
 constexpr const char* kSupervise = "--supervise";
 const int kBadInputStatus = exitStatus(Error::Code::kBadInput), kNotFoundStatus = exitStatus(Error::Code::kNotFound);
 
@@ -49,9 +50,13 @@ std::vector<std::string> ownCommand() {
 
 // Engine and servo as children, which are started again when one dies. The engine's good end is that of both.
 void superviseBoth(const std::string& socket) {
-  const SupervisionEnd end = supervise(
-      {{.name = "engine", .argv = ownCommand(), .essential = true, .hopeless = {kBadInputStatus, kNotFoundStatus}},
-       {.name = "servo", .argv = {servoProgram().string(), "--connect", socket}, .essential = false}});
+  const SupervisionEnd end =
+      supervise({{.name = "engine",
+                  .argv = ownCommand(),
+                  .essential = true,
+                  .hopeless = {kBadInputStatus, kNotFoundStatus},
+                  .patience_s = kEnginesEnd_s},
+                 {.name = "servo", .argv = {servoProgram().string(), "--connect", socket}, .essential = false}});
   if (end.killed > 0) {
     throw Error(Error::Code::kDevice, "palpate serve --supervise",
                 fmt::format("{} of its processes did not end in time and were killed", end.killed),

@@ -43,8 +43,8 @@ class LiveView {
   // device time of a piece of work. A window of samples for the servo waits for no more than one piece.
   explicit LiveView(double frame_s = 1.0 / 60, double piece_s = 1.2e-3);
 
-  // What is to be seen from now on; the newest request counts. A frame of it comes, even if nothing has changed. Returns
-  // its number, from 1.
+  // What is to be seen from now on; the newest request counts. A frame of it comes, even if nothing has changed.
+  // Returns its number, from 1.
   std::uint64_t show(const ViewRequest& request);
   // The newest frame; valid until the next call.
   [[nodiscard]] const ViewFrame& latest() noexcept { return frames_.latest(); }

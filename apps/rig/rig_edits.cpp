@@ -176,7 +176,8 @@ void RigEdits::look(const ToolPose& pose, std::int64_t now_ns) {
   if (const Request request = next()) request(now_ns);
   for (; !scheduled_.empty() && pose.tick >= scheduled_.front().tick; scheduled_.pop_front())
     hold(scheduled_.front().brush, Pauses::kEndAStroke);
-  if (brush_) stroke(pose, now_ns);
+  if (brush_ && pose.tick >= 0) stroke(pose, now_ns);
+  if (brush_ && pose.tick < 0) brush_->lift();  // no tool is there: what comes next begins where it is then
   session_.feedSaver(now_ns);
   listen();
   const std::lock_guard lock(mutex_);

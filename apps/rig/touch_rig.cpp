@@ -111,10 +111,12 @@ LoopResult TouchRig::runSimulated(const Follow& follow, const ServoLoop::Hook& b
   return result;
 }
 
-void TouchRig::start(Follow follow) {
+void TouchRig::start(Follow follow, std::function<void(std::int64_t now_ns)> before) {
   engine_.publishFor(servo_.tool().latest(), monotonicNow_ns());
-  const auto work = [this, follow = std::move(follow)](const ToolPose& pose, std::int64_t now_ns) {
-    if (follow) follow(pose, now_ns);
+  const auto work = [this, follow = std::move(follow), before = std::move(before)](const ToolPose& pose,
+                                                                                   std::int64_t now_ns) {
+    if (pose.tick >= 0 && follow) follow(pose, now_ns);
+    if (pose.tick < 0 && before) before(now_ns);
     look(pose, now_ns, false);
     return view_ != nullptr && view_->look(engine_, now_ns);
   };

@@ -57,7 +57,8 @@ class TouchRig {
   // Real clock: start() begins the run; only once. wait() returns when the run ends. A failure of the engine's thread
   // ends the run, and wait() rethrows it; else it throws that of a servo in another process, whose end leaves the
   // engine at work until then. start() throws as ServoLoop::start() does.
-  void start(Follow follow = {});
+  // `before`: called instead of `follow` until the servo's first tick, which may never come. Edits are made then, too.
+  void start(Follow follow = {}, std::function<void(std::int64_t now_ns)> before = {});
   [[nodiscard]] bool running() const noexcept { return servo_.running(); }
   // The engine's thread does its work, whatever has become of the servo. By who made the rig.
   [[nodiscard]] bool engineWorks() const noexcept { return publisher_ && !publisher_->failed(); }

@@ -27,6 +27,11 @@ bool Chores::idle() const {
   return waiting_.empty() && !works_;
 }
 
+std::size_t Chores::waiting() const {
+  const std::lock_guard lock(mutex_);
+  return waiting_.size();
+}
+
 void Chores::finish() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_.empty() && !works_; });

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -22,7 +23,8 @@ class Chores {
 
   void add(Work work);
   [[nodiscard]] bool idle() const;
-  void finish();  // waits until it is idle
+  [[nodiscard]] std::size_t waiting() const;  // beside what it works at
+  void finish();                              // waits until it is idle
 
  private:
   void run(const std::stop_token& stop, const char* thread_name);

@@ -26,8 +26,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::size_t kMostEdits = 256;  // in one question
-constexpr int kMostPixels = 4096;        // along a side of a picture
+constexpr std::size_t kMostEdits = 256;     // in one question
+constexpr std::size_t kMostPrepared = 256;  // questions of all clients that wait for meshes
+constexpr int kMostPixels = 4096;           // along a side of a picture
 
 // The number of a word; 0: it is none.
 int pixelsOf(const std::string& word) {
@@ -175,7 +176,7 @@ bool ClientDesk::listenTo(Client& client, std::string& why) {
       }
       take(client, *ask);
     }
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     why = error.what();
     return false;
   }
@@ -205,6 +206,8 @@ void ClientDesk::take(Client& client, const wire::AskT& ask) {
     askFor(ask, done, client);
   } catch (const Error& error) {
     done(error, {});
+  } catch (const std::exception& error) {
+    done(Error(Error::Code::kOutOfMemory, "the question", error.what(), "ask for less"), {});
   }
 }
 
@@ -316,6 +319,9 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
 // What is asked for after an edit whose mesh is still being read waits for it.
 void ClientDesk::inOrder(const Answer& done, const std::function<void()>& request, Takes takes) {
   if (takes == Takes::kNoTime && preparer_.idle()) return request();
+  if (preparer_.waiting() >= kMostPrepared)  // also of clients that have gone
+    throw Error(Error::Code::kOutOfMemory, "the question", "too many wait for meshes that are being read",
+                "ask again in a moment");
   preparer_.add([done, request] {
     try {
       request();

@@ -54,6 +54,15 @@ Scene withLiveSetting(const Scene& scene, const std::string& key, const std::str
   return next;
 }
 
+void checkLiveSettings(const Scene& scene, const Scene& next) {
+  Scene checked = scene;
+  for (const SceneOption& option : sceneOptions()) {
+    const std::string text = optionText(option.value, next);
+    if (isLiveKey(option.key) && !text.empty() && text != optionText(option.value, scene))
+      setOption(option.value, text, option.key, checked, option.unit);
+  }
+}
+
 Scene withLiveSettings(const Scene& scene, const Scene& wanted, std::vector<std::string>& others) {
   Scene next = scene;
   for (const SceneOption& option : sceneOptions()) {

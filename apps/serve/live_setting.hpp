@@ -19,6 +19,9 @@ namespace palpate {
 // needs a new start; as setOption() does.
 [[nodiscard]] Scene withLiveSetting(const Scene& scene, const std::string& key, const std::string& value);
 
+// Refuses (Error kBadInput) a live setting of `next` that differs from `scene` and is not what its option takes.
+void checkLiveSettings(const Scene& scene, const Scene& next);
+
 // What a scene file that was read again changes: the live settings of `wanted`, in `scene`. `others`: gets the keys of
 // other options that differ, which need a new start.
 [[nodiscard]] Scene withLiveSettings(const Scene& scene, const Scene& wanted, std::vector<std::string>& others);

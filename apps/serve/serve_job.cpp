@@ -73,8 +73,13 @@ struct ClosedFirst {
 };
 
 std::filesystem::path journalOf(const ServeRequest& request) {
-  return request.scene.journal.empty() ? usualServiceJournal(socketOf(request.scene))
-                                       : std::filesystem::path(request.scene.journal);
+  if (!request.scene.journal.empty()) return request.scene.journal;
+  std::filesystem::path folder = usualServiceJournal(socketOf(request.scene));
+  if (folder.empty())
+    tell(
+        "no journal is kept, as neither XDG_STATE_HOME nor HOME is set: a crash loses the edits; name a folder with "
+        "--journal");
+  return folder;
 }
 
 std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolume& served, const ClientDesk& desk) {
@@ -138,10 +143,19 @@ void serveScene(const ServeRequest& request, Progress& progress) {
     static_cast<void>(notify.ready());
   }
   static_cast<void>(notify.stopping());
-  if (!served.failed() && !request.scene.save.empty() && served.status().undoable > 0)
-    served.save(request.scene.save, [](const LiveVolume::Saved& saved) { tell(saved.words); });
-  served.close();
-  desk.flush();
+  struct Flushed {  // also when the end fails: who asked is told
+    ClientDesk& desk;
+    ~Flushed() {
+      try {
+        desk.flush();
+      } catch (const std::exception&) {  // nobody is left who could be told
+      }
+    }
+  };
+  {
+    const Flushed flushed{desk};
+    served.close(request.scene.save);
+  }
   tell("ended");
 }
 

@@ -13,6 +13,7 @@
 #include "apps/render/fit_camera.hpp"
 #include "apps/rig/remote_windows.hpp"
 #include "apps/serve/flat_heap.hpp"
+#include "apps/serve/live_setting.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/touch/scripted_path.hpp"
@@ -28,6 +29,7 @@ namespace {
 
 constexpr int kDevicePatience_ms = 10'000;  // with a servo that makes its device
 constexpr int kLoopPatience_ms = 2000;      // with one that makes its loop, while nobody's edit is made
+constexpr std::int64_t kFirstTick_ns = 5'000'000'000;
 constexpr std::chrono::milliseconds kIdle{1};
 constexpr std::chrono::milliseconds kRigLook{2};
 constexpr std::int64_t kMemoryLook_ns = 500'000'000;
@@ -89,24 +91,46 @@ void ServedVolume::start() {
   thread_ = std::jthread([this] { run(); });
 }
 
-void ServedVolume::close() {
+void ServedVolume::close(const std::string& save) {
   if (std::exchange(closed_, true)) return;
   stop_ = true;
   if (thread_.joinable()) thread_.join();
   if (greeter_.joinable()) greeter_.join();
   refuseWaiting();
+  const auto unsaved = std::make_shared<std::string>();  // why the file was not written
   if (engine_) {
     // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
     LiveVolume& live = engine_->live();
     if (live.hasEngine()) live.edits().doWaiting(0);
     const RigEdits::Counts counts = live.edits().counts();
     const bool has_edits = counts.done + counts.forgotten > 0;
+    if (has_edits && !save.empty() && !failure_) {
+      try {
+        this->save(save, [this, unsaved](const LiveVolume::Saved& saved) {
+          tell_(saved.words);
+          if (!saved.written) *unsaved = saved.words;
+        });
+      } catch (const Error& error) {
+        *unsaved = fmt::format("{} was not written: {}", save, error.reason());
+        tell_(*unsaved);
+      }
+    }
+    struct Settled {  // whatever becomes of the rest: who asked is told
+      ServedVolume& served;
+      ~Settled() {
+        try {
+          served.settle();
+        } catch (const std::exception&) {  // nobody is left who could be told
+        }
+      }
+    } const settled{*this};
     live.close(has_edits || failure_ != nullptr ? LiveVolume::KeepJournal::kAlways : LiveVolume::KeepJournal::kNever);
-    settle();
     if (!failure_ && has_edits && live.keepsJournal())
       tell_("its edits are in the journal, and come back with the next start");
   }
   if (failure_) std::rethrow_exception(failure_);
+  if (!unsaved->empty())
+    throw Error(Error::Code::kIo, save, *unsaved, "make room; the edits are in the journal, if one is kept");
 }
 
 // What no engine will do any more.
@@ -232,7 +256,14 @@ bool ServedVolume::attach(Channel channel, const wire::HelloT& hello) {
     if (std::exchange(has_servo_, true)) return false;
   }
   // The one before has ended, or there would still be its servo.
-  greeter_ = std::jthread([this, hello, channel = std::move(channel)]() mutable { greet(std::move(channel), hello); });
+  try {
+    greeter_ =
+        std::jthread([this, hello, channel = std::move(channel)]() mutable { greet(std::move(channel), hello); });
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    has_servo_ = false;
+    throw;
+  }
   return true;
 }
 
@@ -289,17 +320,24 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   TouchRig rig(engine, *servo_, loop, RigVolume{.scale = engine_->scale()}, first, &live.edits());
   rig.drawFor(pictures_.view());
   rig.keepTicks(kOnlookRoom.ticks);
-  rig.start([&, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
+  std::atomic<bool> ticks{false};
+  const auto work = [&](std::int64_t now_ns) {
+    lookForOnlookers(rig);
+    static_cast<void>(lookAround(now_ns));
+    noteMemory(now_ns);
+    if (engine.broken()) is_broken.store(true, std::memory_order_relaxed);
+  };
+  const auto follow = [&, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
+    ticks.store(true, std::memory_order_relaxed);
     {
       const std::lock_guard lock(mutex_);
       notePose(status_, pose, first_version, now_ns);
       status_.force_off = servo_->device().forceOff();
     }
-    lookForOnlookers(rig);
-    static_cast<void>(lookAround(now_ns));
-    noteMemory(now_ns);
-    if (engine.broken()) is_broken.store(true, std::memory_order_relaxed);
-  });
+    work(now_ns);
+  };
+  rig.start(follow, work);
+  const std::int64_t started_ns = monotonicNow_ns();
   struct Lent {
     ServedVolume& served;
     ~Lent() { served.lendRig(nullptr); }
@@ -317,6 +355,10 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
     return !wanted_filter_;
   };
   while (goes_on()) {
+    if (!ticks && monotonicNow_ns() - started_ns > kFirstTick_ns) {
+      tell_("the servo does not begin: it is let go");
+      break;
+    }
     heedRig(rig);
     std::this_thread::sleep_for(kRigLook);
   }
@@ -364,7 +406,8 @@ void ServedVolume::takeIsovalueAlone() {
   const double before = engine.isovalue();
   try {
     engine.beginIsovalue(wanted);
-    while (!engine.gatherIsovalue(kMostBricks, monotonicNow_ns())) continue;
+    while (!engine.gatherIsovalue(kMostBricks, monotonicNow_ns()))
+      looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);  // it lives
     engine.endIsovalue(wanted);
     endIsovalue({}, 0);
   } catch (const Error& error) {
@@ -492,6 +535,7 @@ void ServedVolume::change(const RigSettings& settings, Done done) {
   const Scene present = scene();
   Scene next = withRigSettings(present, settings);
   if (settings.parameters.isovalue == wantedIsovalue(present)) next.isovalue = present.isovalue;
+  checkLiveSettings(present, next);
   change(next, std::move(done));
 }
 

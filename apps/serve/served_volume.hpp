@@ -54,8 +54,9 @@ class ServedVolume {
 
   void start();
   // Ends the thread, finishes what was asked for and closes the session; the journal stays if an edit is in effect.
-  // Throws what ended the engine, and as LiveVolume::close().
-  void close();
+  // `save`: the file that then gets the volume; empty: none. Throws what ended the engine, as LiveVolume::close(), and
+  // Error(kIo) if that file was not written. Called once; the destructor's own call does nothing then.
+  void close(const std::string& save = {});
   // Its thread looks again and again, or makes its engine anew, which may take as long as the first time.
   [[nodiscard]] bool isAlive(std::int64_t within_ns) const noexcept;
   // The engine has failed for good; close() throws why.

@@ -35,7 +35,8 @@ class Writer {
 
 class Reader {
  public:
-  Reader(Descriptor memory, std::size_t bytes) : memory_(std::move(memory), std::max<std::size_t>(1, bytes)) {}
+  Reader(Descriptor memory, std::size_t bytes)
+      : memory_(std::move(memory), std::max<std::size_t>(1, bytes), SealedMemory::Pages::kWhenUsed) {}
   void take(void* values, std::size_t bytes) {
     if (bytes > 0) std::memcpy(values, memory_.data() + done_, bytes);
     done_ += bytes;

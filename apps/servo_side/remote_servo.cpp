@@ -54,6 +54,15 @@ class RemoteServo::Proxy final : public Device {
   std::atomic<ForceOff> force_off_;
 };
 
+namespace {
+
+// A tick has 93 bytes at most, and the header a name and some hands (servo/devices/recording.cpp).
+std::uint64_t mostRecordingBytes(std::size_t reads) {
+  return 160 * static_cast<std::uint64_t>(reads) + (1U << 20U);
+}
+
+}  // namespace
+
 RemoteServo::RemoteServo(Channel channel, const Request& request)
     : channel_(std::move(channel), "the servo"),
       loop_patience_ms_(request.loop_patience_ms),
@@ -83,6 +92,7 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
     make.way_points = request.way->times_s().size();
     make.way_is_linear = request.way->interpolation() == SampledPath::Interpolation::kLinear;
   }
+  if (request.recorded_reads > 0) most_recording_bytes_ = mostRecordingBytes(request.recorded_reads);
   channel_.send(std::move(make), way.descriptor());
   const auto made = channel_.expect<wire::DeviceMadeT>(request.patience_ms).first;
   device_ = std::make_unique<Proxy>(made);
@@ -130,12 +140,14 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
 
 std::uint64_t RemoteServo::give(ServoChange change, const RigSettings& settings) {
   wire::ChangeT words;
-  words.number = given_.fetch_add(1) + 1;
+  words.number = given_.load() + 1;
   if (change.algorithm) words.settings = wireOf(settings);
   words.force_limit_N = change.force_limit_N.value_or(0);
   words.doubtful = change.doubtful;
+  const std::uint64_t number = words.number;
   channel_.send(std::move(words));
-  return given_.load();
+  given_.store(number);  // one that did not get there is never taken, and so not waited for
+  return number;
 }
 
 LoopResult RemoteServo::runSimulated(const ServoLoop::Hook& before_tick) {
@@ -234,6 +246,10 @@ void RemoteServo::passTicksOn() {
 void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {
   if (ended.records > most_records_)
     refuse("the servo", "it sends more records than were asked for", "start programs of the same version of Palpate");
+  if (ended.recording_bytes > most_recording_bytes_) {
+    refuse("the servo", "it sends a longer recording than was asked for",
+           "start programs of the same version of Palpate");
+  }
   RunRecords records = recordsOf(std::move(attached), ended.records, ended.recording_bytes);
   result_ = {.records = std::move(records.ticks),
              .ticks_run = ended.ticks_run,

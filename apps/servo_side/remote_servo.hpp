@@ -117,7 +117,7 @@ class RemoteServo final : public ServoSide {
   std::vector<std::pair<std::string, double>> figures_;
   std::optional<Recording> recording_;
   std::exception_ptr failure_;
-  std::uint64_t most_records_ = 0;
+  std::uint64_t most_records_ = 0, most_recording_bytes_ = 0;
   std::jthread listener_;  // last member: it uses the others
 };
 

@@ -46,6 +46,7 @@ struct Supervised {
   pid_t id = 0;                          // 0: it does not run
   double started_s = 0;                  // [s]
   std::optional<double> next_start_s{};  // [s]
+  bool is_killed = false;                // as it did not end in time
 };
 
 class Supervision {
@@ -208,19 +209,32 @@ class Supervision {
 
   void endAll() noexcept {
     tellThemToEnd();
-    awaitEnds(SIGTERM);
-    if (!anyRuns()) return;
-    for (const Supervised& one : all_) {
-      if (one.id == 0) continue;
-      tell("{}: still there {} s after SIGTERM; it is killed", one.command.name, settings_.patience_s);
-      kill(-one.id, SIGKILL);
-      ++end_.killed;
+    const double told_s = now_s();
+    while (const std::optional<double> patience_s = shortestPatience()) {
+      awaitEnds(SIGTERM, told_s + *patience_s);
+      for (Supervised& one : all_) {
+        if (one.id == 0 || one.is_killed || patienceFor(one) > *patience_s) continue;
+        one.is_killed = true;
+        tell("{}: still there {} s after SIGTERM; it is killed", one.command.name, *patience_s);
+        kill(-one.id, SIGKILL);
+        ++end_.killed;
+      }
     }
-    awaitEnds(SIGKILL);
+    awaitEnds(SIGKILL, now_s() + settings_.patience_s);
     for (const Supervised& one : all_) {
       if (one.id == 0) continue;
       tell("{}: process {} hangs in the kernel and cannot be killed; it is left behind", one.command.name, one.id);
     }
+  }
+
+  [[nodiscard]] double patienceFor(const Supervised& one) const noexcept {
+    return one.command.patience_s.value_or(settings_.patience_s);
+  }
+  [[nodiscard]] std::optional<double> shortestPatience() const noexcept {
+    std::optional<double> shortest;
+    for (const Supervised& one : all_)
+      if (one.id != 0 && !one.is_killed) shortest = std::min(shortest.value_or(patienceFor(one)), patienceFor(one));
+    return shortest;
   }
 
   void tellThemToEnd() const noexcept {
@@ -232,8 +246,7 @@ class Supervision {
   }
 
   // Dying of the signal that it was sent is an end in good order.
-  void awaitEnds(int sent) noexcept {
-    const double until_s = now_s() + settings_.patience_s;
+  void awaitEnds(int sent, double until_s) noexcept {
     for (;;) {
       for (Supervised& one : all_) {
         const std::optional<int> status = statusIfEnded(one);

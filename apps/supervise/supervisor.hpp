@@ -13,6 +13,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,11 +26,12 @@ struct SupervisedCommand {
   std::vector<std::string> argv;   // the program, along PATH if it has no '/', and its arguments
   bool essential = false;          // when it ends with status 0, all are ended
   std::vector<int> hopeless = {};  // statuses with which it would only end again: not started again, and all are ended
+  std::optional<double> patience_s = {};  // from SIGTERM until SIGKILL, for what has much to finish [s]
 };
 
 struct SupervisorSettings {
   RestartLimits restarts = {};
-  double patience_s = 10;  // from SIGTERM until SIGKILL [s]
+  double patience_s = 10;  // from SIGTERM until SIGKILL, for those that name no own [s]
   // Gets a line for each death, which says what is done about it, and for each that had to be killed. Empty:
   // tellUser(). What it throws is dropped.
   std::function<void(const std::string&)> tell = {};

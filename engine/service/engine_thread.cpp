@@ -49,7 +49,7 @@ void EngineThread::run() {
       } else if (engine_.publishFor(pose, now_ns())) {
         publications_.fetch_add(1, std::memory_order_relaxed);
       }
-      const bool waits = pose.tick >= 0 && follow_ && follow_(pose, now_ns());
+      const bool waits = follow_ && follow_(pose, now_ns());
       std::this_thread::sleep_for(waits ? kShortPause : kPause);
     }
   } catch (...) {

@@ -57,6 +57,13 @@ void ToolBrush::touch(const ToolPose& pose, std::int64_t time_ns) {
   normal_W_ = pose.normal_W;
 }
 
+void ToolBrush::lift() noexcept {
+  from_W_.reset();
+  last_edit_W_.reset();
+  touched_ = touching_ = false;
+  impulse_Ns_ = 0;
+}
+
 std::vector<EditCommand> ToolBrush::dueStroke(const ToolPose& pose, std::int64_t time_ns) {
   if (!from_W_) {
     from_W_ = pose.position_W;

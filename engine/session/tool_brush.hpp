@@ -43,6 +43,8 @@ class ToolBrush {
   // The edit that is due now, or nothing: a stroke and, with a mirror, its mirror image. Pass both to one
   // Editor::apply(). `time_ns` is on the pose's clock.
   [[nodiscard]] std::vector<EditCommand> dueStroke(const ToolPose& pose, std::int64_t time_ns);
+  // No tool is there. The next stroke begins where it comes back.
+  void lift() noexcept;
   // Call it if the last stroke was not applied. A tool at rest then yields that stroke again.
   void refused() noexcept { last_edit_W_.reset(); }
 

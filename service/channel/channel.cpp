@@ -159,6 +159,11 @@ Peer Channel::peer() const noexcept {
   return {facts.pid, facts.uid};
 }
 
+bool Channel::isOfOurs() const noexcept {
+  const std::uint32_t user = peer().user;
+  return user == geteuid() || user == 0;
+}
+
 std::pair<Channel, Channel> channelPair() {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0)
@@ -195,8 +200,7 @@ Listener::~Listener() {
 Channel Listener::accept() {
   Channel channel(Descriptor(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
   if (!channel.open()) return channel;
-  const std::uint32_t user = channel.peer().user;
-  if (user != geteuid() && user != 0) channel.close();
+  if (!channel.isOfOurs()) channel.close();
   return channel;
 }
 
@@ -210,7 +214,11 @@ Channel connectTo(const std::string& path) {
   if (why != 0)
     refuseSocket(path, Error::Code::kIo, formatted("it cannot be opened ({})", std::strerror(why)),
                  "connect as the user who started the service");
-  return Channel(std::move(socket));
+  Channel channel(std::move(socket));
+  if (!channel.isOfOurs())
+    refuseSocket(path, Error::Code::kBadInput, formatted("user {} listens there", channel.peer().user),
+                 "start the service as this user");
+  return channel;
 }
 
 }  // namespace palpate

@@ -45,6 +45,7 @@ class Channel {
   [[nodiscard]] Got receive(Packet& packet, int most_ms);
 
   [[nodiscard]] Peer peer() const noexcept;
+  [[nodiscard]] bool isOfOurs() const noexcept;                            // of this user, or root
   [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }  // to wait for it with poll(2)
   [[nodiscard]] bool open() const noexcept { return static_cast<bool>(socket_); }
   void close() noexcept { socket_.close(); }
@@ -77,7 +78,7 @@ class Listener {
   Descriptor socket_;
 };
 
-// Throws Error: kNotFound if nobody listens there, kBadInput and kIo as Listener does.
+// Throws Error: kNotFound if nobody listens there, kBadInput and kIo as Listener does, kBadInput if another user does.
 [[nodiscard]] Channel connectTo(const std::string& path);
 
 }  // namespace palpate

@@ -3,10 +3,45 @@
 
 #include <algorithm>
 
+#include <flatbuffers/minireflect.h>
+
 namespace palpate {
 namespace {
 
 constexpr flatbuffers::uoffset_t kDeepest = 8, kMostTables = 4096;
+
+// Places in a buffer may name the same string or vector again and again, which takes hardly any bytes there and its
+// full size in each copy. A program of ours never writes that. So all that is copied together is no longer than the
+// buffer.
+class Copied final : public flatbuffers::IterationVisitor {
+ public:
+  explicit Copied(std::size_t most) : left_(most) {}
+  struct TooMuch {};
+  void String(const flatbuffers::String* text) override { spend(text->size()); }
+  void Element(std::size_t, flatbuffers::ElementaryType type, const flatbuffers::TypeTable* table,
+               const std::uint8_t*) override {
+    spend(flatbuffers::InlineSize(type, table));
+  }
+
+ private:
+  void spend(std::size_t bytes) {
+    if (bytes > left_) throw TooMuch{};
+    left_ -= bytes;
+  }
+  std::size_t left_;
+};
+
+bool isCopiedOnce(const std::uint8_t* data, std::size_t bytes) {
+  const wire::Body kind = wire::GetMessage(data)->body_type();
+  if (kind == wire::Body::NONE || kind > wire::Body::MAX) return true;  // nothing of it is copied
+  Copied copied(bytes);
+  try {
+    flatbuffers::IterateFlatBuffer(data, wire::MessageTypeTable(), &copied);
+  } catch (const Copied::TooMuch&) {
+    return false;
+  }
+  return true;
+}
 
 // The codes that a process may hand on. Another number is that of a program that knows more.
 Error::Code codeOf(std::int32_t number) {
@@ -32,7 +67,8 @@ wire::BodyUnion decoded(std::span<const std::byte> bytes, const std::string& fro
   const auto* const data = reinterpret_cast<const std::uint8_t*>(bytes.data());
   flatbuffers::Verifier verifier(data, bytes.size(), kDeepest, kMostTables);
   // A buffer without an identifier is too short for the check of one.
-  const bool whole = bytes.size() >= 2 * sizeof(flatbuffers::uoffset_t) && wire::VerifyMessageBuffer(verifier);
+  const bool whole = bytes.size() >= 2 * sizeof(flatbuffers::uoffset_t) && wire::VerifyMessageBuffer(verifier) &&
+                     isCopiedOnce(data, bytes.size());
   if (!whole)
     throw Error(Error::Code::kBadInput, from, "it sent what is no message of Palpate",
                 "start programs of the same version of Palpate");

@@ -21,6 +21,7 @@
 #include "process_facts.hpp"
 #include "service/memory/link_memory.hpp"
 #include "service/memory/view_memory.hpp"
+#include "service/messages/message_channel.hpp"
 #include "service_processes.hpp"
 
 namespace palpate {
@@ -273,6 +274,38 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
       fmt::format("{} messages over {} connections, and {} bad servos, in {:.0f} s; the engine's own memory "
                   "grew by {:.2f} %.\n",
                   sent_, connections_, servos, seconds, 100 * grown));
+}
+
+// It says all that a servo says until its loop is made, and then nothing: others are served, and it is let go.
+TEST_F(Hostile, AServoThatNeverBeginsHoldsNobodyUp) {
+  serve({"phantom:sphere?size=32"});
+  ASSERT_TRUE(awaitService());
+  std::string commit = run({"--version"}).out;
+  commit = commit.substr(commit.find('(') + 1);
+  commit.resize(commit.find(')'));
+  MessageChannel silent(connectTo(socket()), "the service");
+  wire::HelloT hello;
+  hello.layout = kLinkLayout;
+  hello.commit = commit;
+  hello.stays = true;
+  silent.send(std::move(hello));
+  static_cast<void>(silent.expect<wire::MakeDeviceT>(20'000));
+  wire::DeviceMadeT made;
+  made.name = "none";
+  made.force_limit_N = 3;
+  made.slew_limit_N_per_s = 1000;
+  made.workspace_radius_m = 0.1;
+  silent.send(std::move(made));
+  static_cast<void>(silent.expect<wire::MakeLoopT>(20'000));
+  silent.send(wire::LoopMadeT{});
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 1; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  expectSuccess(ctl({"render", "now.png", "--width", "64", "--height", "48"}));
+  EXPECT_THAT(contentsOf(file("serve.log")), testing::Not(testing::HasSubstr("does not begin")));  // it was there
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; })) << contentsOf(file("serve.log"));
+  EXPECT_THAT(contentsOf(file("serve.log")), testing::HasSubstr("the servo does not begin: it is let go"));
+  join();
+  ASSERT_TRUE(awaitServo()) << contentsOf(file("serve.log"));
 }
 
 }  // namespace hostile_test

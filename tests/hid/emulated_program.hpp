@@ -2,6 +2,8 @@
 // The built program on a machine with emulated HID devices (emulate_hid.cpp).
 #pragma once
 
+#include <map>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -37,7 +39,7 @@ class EmulatedHid : public ProgramTest {
   }
 
   // A way along the surface, tick by tick, as a rigid hand goes it.
-  // `share` of it: cut there.
+  // `share` of it: cut there. What tests of one program have in common is run once.
   void writeWay(const std::string& volume, double seconds, double depth_mm, double share = 1) const {
     const Words touch = {"touch",     volume,
                          "--clock",   "simulated",
@@ -45,7 +47,14 @@ class EmulatedHid : public ProgramTest {
                          "--seconds", fmt::format("{}", seconds),
                          "--depth",   fmt::format("{}", depth_mm),
                          "--out",     "rigid"};
-    ASSERT_EQ(run(touch).status, 0);
+    static std::map<Words, std::string> traces;
+    std::string& trace = traces[touch];
+    if (trace.empty()) {
+      ASSERT_EQ(run(touch).status, 0);
+      trace = contentsOf(file("rigid") / "trace.csv");
+    }
+    std::filesystem::create_directories(file("rigid"));
+    write("rigid/trace.csv", trace);
     std::string csv = "time_s,x_m,y_m,z_m\n";
     std::vector<TraceRow> rows = readTrace(file("rigid") / "trace.csv").rows;
     rows.resize(static_cast<std::size_t>(share * static_cast<double>(rows.size())));

@@ -17,6 +17,7 @@
 #include "engine/journal/journal_reader.hpp"
 #include "engine/reference/edit.hpp"
 #include "program_test.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace edit_verb_test {
@@ -242,7 +243,8 @@ TEST_F(EditVerb, WritesAMeshOfWhatItEdited) {
 // Of a body that was cut, stamped and dented all over, so that it ends at the border too: what is not closed, a stamp
 // refuses.
 TEST_F(EditVerb, WritesAClosedMesh) {
-  for (const char* mesh : {"out.stl", "out.obj", "out.ply"}) {
+  for (const std::string mesh : {"out.stl", "out.obj", "out.ply"}) {
+    if (mesh == "out.obj" && !isLongRun()) continue;  // shares its corners, as a .ply does
     expectSuccess(
         run(Words{"edit", kVolume, mesh} +
             dos({"add:radius=5:at=13,0,0", "remove:radius=4:from=-9,-9,-9:to=9,9,9", "inflate:radius=6:at=0,6,0",
@@ -327,10 +329,11 @@ TEST_F(EditVerb, TellsOfAnIsovalueThatTheFileCannotKeep) {
               HasSubstr("at 150, which this format cannot keep"));
 }
 
-// Ten thousand commands down a pipe.
+// Hundreds of commands, in a long run thousands, down a pipe.
 TEST_F(EditVerb, StandardInputMayBeLong) {
+  const int commands = isLongRun() ? 2000 : 600;
   std::string script = "\xEF\xBB\xBF# a comment\r\n\n";
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < commands; ++i) {
     script += i % 10 == 9 ? "undo # the last\r\n"
                           : fmt::format("  {}:radius=1.5mm:at={:.1f},{:.1f},{:.1f}\n", i % 2 == 0 ? "remove" : "add",
                                         9 * std::sin(i), 9 * std::cos(i), 9 * std::sin(0.37 * i));
@@ -341,7 +344,8 @@ TEST_F(EditVerb, StandardInputMayBeLong) {
                   .folder = folder(),
                   .input_file = file("script").string()});
   expectSuccess(outcome);
-  EXPECT_THAT(outcome.out, HasSubstr("2000 applied: 1800 edits, 200 undos, 0 redos; 0 refused"));
+  EXPECT_THAT(outcome.out, HasSubstr(fmt::format("{} applied: {} edits, {} undos, 0 redos; 0 refused", commands,
+                                                 commands - commands / 10, commands / 10)));
   const Outcome recovered = run({"recover", "journal", "--out", "back.nrrd"});
   EXPECT_EQ(contentIn(recovered.out), contentIn(outcome.out));
   // The same from a file, behind commands of the command line.
@@ -417,8 +421,6 @@ TEST_F(EditVerb, RefusesWhatTheSessionRefuses) {
   write("not.obj", "no mesh");
   const std::tuple<const char*, const char*, int> cases[] = {
       {"remove:radius=9m:at=0,0,0", "larger than the volume; give at most", 2},
-      {"remove:radius=1e300:at=0,0,0", "larger than the volume", 2},
-      {"remove:radius=2:at=0,0,5m", "mm away from the volume", 2},
       {"remove:radius=2:at=0,0,1e300", "away from the volume", 2},
       {"cut:point=0,0,5m:normal=0,0,1", "mm away from the volume", 2},
       {"cut:point=0,0,0:normal=1e300,1e300,0", "has no direction", 2},
@@ -426,14 +428,23 @@ TEST_F(EditVerb, RefusesWhatTheSessionRefuses) {
       {"stamp-add:mesh=none.obj:at=0,0,0", "there is no such file", 3},
       {"stamp-add:mesh=not.obj:at=0,0,0", "cannot be read", 2},
       {"stamp-add:mesh=open.obj:at=0,0,0", "the mesh is not closed", 2},
-      {"undo", "there is no edit to undo", 2},
       {"redo", "nothing was undone", 2},
       {"remove:radius=2", "it has no place", 2},
       {"remove:radius=nan:at=0,0,0", "is no number", 2},
   };
-  for (const auto& [command, reason, status] : cases) {
+  const std::tuple<const char*, const char*, int> like_those[] = {
+      {"remove:radius=1e300:at=0,0,0", "larger than the volume", 2},
+      {"remove:radius=2:at=0,0,5m", "mm away from the volume", 2},
+      {"undo", "there is no edit to undo", 2},  // as below
+  };
+  const auto expectRefused = [&](const std::tuple<const char*, const char*, int>& one) {
+    const auto& [command, reason, status] = one;
     expectRefusal(edit(dos({command})), fmt::format("--do '{}'", command), reason, status);
     expectNothingWritten();
+  };
+  for (const auto& one : cases) expectRefused(one);
+  for (const auto& one : like_those) {
+    if (isLongRun()) expectRefused(one);
   }
   expectRefusal(edit(dos({"remove:radius=2:at=6,0,0", "undo"}) + Words{"--history", "0"}), "--do 'undo'",
                 "there is no edit to undo", 2);

@@ -3,6 +3,7 @@
 #include "apps/plan/plan_bench.hpp"
 
 #include <algorithm>
+#include <memory>
 
 #include <gmock/gmock.h>
 
@@ -26,17 +27,21 @@ TEST(PlanBench, ASceneThatFailsEndsItWithItsReason) {
               HasSubstr("too rough"));
 }
 
+// One bench, whose result the tests share: it calls the program a hundred times.
 class PlanBenchRuns : public testing::Test {
  protected:
-  PlanBenchRuns() {
-    std::filesystem::permissions(program_.path(), std::filesystem::perms::owner_all);
+  static void SetUpTestSuite() {
+    program_ = std::make_unique<CountingProgram>();
+    std::filesystem::permissions(program_->path(), std::filesystem::perms::owner_all);
     Progress progress;
     result_ = runPlanBench({.rounds = 2, .volume = "phantom:sphere", .program = gentle()}, progress);
+    calls_ = program_->called().size();
   }
+  static void TearDownTestSuite() { program_.reset(); }
   // The same program, which bears a texture too.
-  [[nodiscard]] std::string gentle() const {
-    const std::string path = program_.path() + "_gentle";
-    std::ifstream from(program_.path());
+  [[nodiscard]] static std::string gentle() {
+    const std::string path = program_->path() + "_gentle";
+    std::ifstream from(program_->path());
     std::ofstream to(path);
     for (std::string line; std::getline(from, line);)
       if (line.find("too rough") == std::string::npos) to << line << '\n';
@@ -44,8 +49,9 @@ class PlanBenchRuns : public testing::Test {
     std::filesystem::permissions(path, std::filesystem::perms::owner_all);
     return path;
   }
-  CountingProgram program_;
-  BenchResult result_;
+  inline static std::unique_ptr<CountingProgram> program_;
+  inline static BenchResult result_;
+  inline static std::size_t calls_ = 0;  // of the program, for that result
 };
 
 TEST_F(PlanBenchRuns, ClimbsFromTheBareTouchToEverything) {
@@ -54,7 +60,7 @@ TEST_F(PlanBenchRuns, ClimbsFromTheBareTouchToEverything) {
   const BenchRows alone = rowsOf(result_, "alone");
   ASSERT_EQ(ladder.size(), 1 + adding);
   ASSERT_EQ(alone.size(), features().size());
-  EXPECT_EQ(program_.called().size(), 3 * (ladder.size() + alone.size()));  // a round more, to warm up
+  EXPECT_EQ(calls_, 3 * (ladder.size() + alone.size()));  // a round more, to warm up
   const BenchRow& bare = *ladder.front();
   const BenchRow& all = *ladder.back();
   EXPECT_EQ(textOf(bare, "feature"), "bare touch");
@@ -79,11 +85,11 @@ TEST_F(PlanBenchRuns, ClimbsFromTheBareTouchToEverything) {
 
 // Without a round to warm up each scene is run once.
 TEST_F(PlanBenchRuns, UsesTheVulkanDeviceThatIsAskedFor) {
-  const std::size_t before = program_.called().size();
+  const std::size_t before = program_->called().size();
   Progress progress;
   static_cast<void>(runPlanBench(
       {.rounds = 1, .warms_up = false, .volume = "phantom:sphere", .gpu = "that one", .program = gentle()}, progress));
-  const std::vector<std::string> calls = program_.called();
+  const std::vector<std::string> calls = program_->called();
   ASSERT_GT(calls.size(), before);
   for (std::size_t i = before; i < calls.size(); ++i) EXPECT_THAT(calls[i], HasSubstr("gpu = \"that one\""));
 }
@@ -92,10 +98,10 @@ TEST_F(PlanBenchRuns, AQuickOneRunsEachSceneOnce) {
   PlanBenchRequest request = PlanBenchRequest::quick();
   request.volume = "phantom:sphere";
   request.program = gentle();
-  const std::size_t before = program_.called().size();
+  const std::size_t before = program_->called().size();
   Progress progress;
   const BenchResult quick = runPlanBench(request, progress);
-  EXPECT_EQ(program_.called().size() - before, rowsOf(quick, "ladder").size() + rowsOf(quick, "alone").size());
+  EXPECT_EQ(program_->called().size() - before, rowsOf(quick, "ladder").size() + rowsOf(quick, "alone").size());
   EXPECT_EQ(figureOf(*rowsOf(quick, "ladder").front(), "runs"), 1);
   EXPECT_EQ(quick.targets.size(), 2U);
 }

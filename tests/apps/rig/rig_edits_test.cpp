@@ -74,7 +74,11 @@ class Edits : public testing::Test {
   EditSession session;
   std::vector<std::string> told;
   RigEdits edits;
-  ToolPose pose_;
+  ToolPose pose_ = [] {
+    ToolPose pose;
+    pose.tick = 0;
+    return pose;
+  }();
   std::int64_t now_ns_ = 0;
 };
 
@@ -167,6 +171,9 @@ TEST_F(Edits, OfTheToolFollowItsBrush) {
   const auto fast = strokes(40);
   EXPECT_GE(fast, 16U);
   EXPECT_LE(fast, 20U);
+  pose_.tick = -1;  // no servo ticks: there is no tool
+  EXPECT_EQ(strokes(20), 0U);
+  pose_.tick = 0;
   edits.dropBrush();
   EXPECT_EQ(strokes(40), 0U);
   EXPECT_THAT(told, testing::IsEmpty());

@@ -37,6 +37,9 @@ TEST(Chores, AreNotIdleWhileOneIsUnderWay) {
   });
   begun.wait(false);
   EXPECT_FALSE(chores.idle());
+  EXPECT_EQ(chores.waiting(), 0U);
+  chores.add([] {});
+  EXPECT_EQ(chores.waiting(), 1U);
   may_end = true;
   may_end.notify_all();
   chores.finish();

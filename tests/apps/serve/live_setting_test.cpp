@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/live_setting.hpp"
 
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,6 +45,24 @@ TEST(LiveSetting, SetsOneKey) {
   const Scene scene = withLiveSetting(Scene{}, "servo.stiffness_N_per_m", "250");
   EXPECT_EQ(stiffnessOf(scene), 250);
   EXPECT_EQ(withLiveSetting(Scene{}, "servo.n", "9").plane_renewal_ticks, 9);
+}
+
+// Of a window, whose settings come as numbers.
+TEST(LiveSetting, ChecksWhatDiffers) {
+  const auto refusal = [](double Scene::*setting, double value) {
+    Scene next;
+    next.*setting = value;
+    return refusalOf([&] { checkLiveSettings(Scene{}, next); });
+  };
+  for (const double limit :
+       {-1.0, 1e6, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    EXPECT_THAT(refusal(&Scene::force_limit_N, limit), HasSubstr("safety.force_limit_N")) << limit;
+  Scene next;
+  next.force_limit_N = 2;
+  next.plane_renewal_ticks = 7;
+  EXPECT_NO_THROW(checkLiveSettings(Scene{}, next));
+  next.rate_hz = -5;  // which no window changes
+  EXPECT_NO_THROW(checkLiveSettings(Scene{}, next));
 }
 
 TEST(LiveSetting, RefusesOtherKeysAndValues) {

@@ -207,6 +207,20 @@ TEST_F(Supervisor, KillsWhatDoesNotEnd) {
   EXPECT_EQ(kill(runs("servo")[0], 0), -1);
 }
 
+// One that writes a large file is waited for, though another one is not.
+TEST_F(Supervisor, WaitsForEachAsLongAsItMay) {
+  settings.patience_s = kNoPatience_s;
+  SupervisedCommand engine =
+      command("engine", saysAt("TERM", "touch told; " + waitsFor("written") + "exit 0") + "touch ready; " + kGoesOn);
+  engine.patience_s = kLongPatience_s;
+  const SupervisionEnd end =
+      supervise({command("servo", "trap '' TERM; " + waitsFor("told") + "sleep 0.2; touch written; " + kGoesOn), engine,
+                 command("first", waitsFor("ready") + "exit 0", true)},
+                settings);
+  EXPECT_EQ(end.killed, 1);
+  EXPECT_EQ(said(), "TERM\n");
+}
+
 TEST_F(Supervisor, EndsWhatWasStopped) {
   const SupervisionEnd end =
       supervise({command("servo", "touch ready; kill -STOP $$; " + std::string(kGoesOn)),

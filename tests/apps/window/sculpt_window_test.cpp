@@ -29,7 +29,7 @@ TEST_F(OnADesktop, ShowsTheVolumeAndEndsAsItIsTold) {
 }
 
 // A stroke changes the picture where it was made and nowhere else; undo brings the old one back, to the pixel; the
-// saved file is what the journal leads to.
+// saved file is what the journal leads to, also where another file could not be written before, which is said.
 TEST_F(OnADesktop, DrillsUndoesAndSaves) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();
@@ -48,6 +48,9 @@ TEST_F(OnADesktop, DrillsUndoesAndSaves) {
   desktop->does({"key", "ctrl+shift+z"});
   EXPECT_TRUE(waitUntil([&] { return differing(drilled, desktop->look(), upper) == 0; }));
 
+  const Screen unsaved = desktop->look();
+  enters(kFileX, kSaveY, "/nowhere/a.vdb");
+  EXPECT_TRUE(saysSomething(unsaved)) << program->said();
   const std::string file = (folder.path() / "drilled.vdb").string();
   enters(kFileX, kSaveY, file);
   ASSERT_TRUE(waitUntil([&] { return std::filesystem::exists(file); })) << program->said();

@@ -9,6 +9,7 @@
 #include "engine/field/statistics.hpp"
 #include "engine/journal/journal_reader.hpp"
 #include "sculpt_window.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace window_device_test {
@@ -111,8 +112,10 @@ TEST_P(WithAnArm, GoesOnWithAnotherVolume) {
 }
 
 // The same, but the cable was pulled for a moment: it counts from anywhere then, and exerts no force, whatever was said
-// of it at the start.
+// of it at the start. But in a long run, with one servo: with that which another process has to be told of it.
 TEST_P(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
+  const bool has_own_process = GetParam();
+  if (!has_own_process) PALPATE_LONG_ONLY();
   startWithArm({"--unplug-after", "3000", "--replug-ms", "300"});
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   std::this_thread::sleep_for(std::chrono::seconds(5));
@@ -120,8 +123,11 @@ TEST_P(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
   endsWell();
 }
 
-// With the cable out no other volume is opened: the one that is open stays, and the window says why.
+// With the cable out no other volume is opened: the one that is open stays, and the window says why. But in a long run,
+// with one servo.
 TEST_P(WithAnArm, ThatIsUnpluggedLeavesTheVolumeOpen) {
+  const bool has_own_process = GetParam();
+  if (has_own_process) PALPATE_LONG_ONLY();
   startWithArm({"--unplug-after", "3000"});
   ASSERT_TRUE(showsBallBesideTheTool()) << program->said();
   std::this_thread::sleep_for(std::chrono::seconds(5));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the window can do beside strokes: pictures of itself, recordings, the keyboard alone, other isovalues, cuts,
 // other sizes.
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -48,8 +49,9 @@ TEST_F(OnADesktop, WritesAPictureOfItself) {
   endsWell();
 }
 
-// The tool hovers across the ball; what was recorded is a path that crosses it.
+// The tool hovers across the ball; what was recorded is a path that crosses it. That of a stroke is looked at below.
 TEST_F(OnADesktop, RecordsTheToolsWay) {
+  PALPATE_LONG_ONLY();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   desktop->moves(kMiddleX - 100, kMiddleY);
@@ -96,7 +98,8 @@ Hollow hollow(const Volume& before, const Volume& after) {
 
 // What was drilled while it was recorded is drilled again by `palpate touch`, in the same place. How deep depends on
 // how far the real servo's windows lagged behind the hand, by half on a busy machine: the replay's do not lag. The
-// place may differ by what the hand yields to the force and by that lag: by less than the brush's radius.
+// place may differ by what the hand yields to the force and by that lag: by less than the brush's radius. The record is
+// a path with a row for each tick, from below the ball onto it.
 TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();
@@ -104,11 +107,20 @@ TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
   ASSERT_TRUE(drills());
   desktop->does({"key", "F9"});
   endsWell();
+  const std::filesystem::path file = fileIn(home(), ".csv");
+  ASSERT_FALSE(file.empty());
+  const std::vector<TimedPoint> path = readPathCsv(file);
+  EXPECT_GT(path.size(), 500U);
+  EXPECT_EQ(path.front().time_s, 0);
+  EXPECT_NEAR(path.back().time_s, static_cast<double>(path.size() - 1) * 1e-3, 1e-9);
+  double farthest_m = 0;
+  for (const TimedPoint& point : path) farthest_m = std::max(farthest_m, (point.p_W - path.front().p_W).norm());
+  EXPECT_GT(farthest_m, 5e-3);
   const Volume ball = loadVolume(kBall);
   const std::string out = (folder.path() / "again.nrrd").string();
   Started again("", home(),
-                {"touch", kBall, "--path", fileIn(home(), ".csv").string(), "--clock", "simulated", "--picture", "off",
-                 "--save", out, "--out", (folder.path() / "out").string()});
+                {"touch", kBall, "--path", file.string(), "--clock", "simulated", "--picture", "off", "--save", out,
+                 "--out", (folder.path() / "out").string()});
   ASSERT_EQ(again.ends(), 0) << again.said();
   const Hollow by_hand = hollow(ball, replayed(journal())), by_replay = hollow(ball, loadVolume(out));
   ASSERT_GT(by_hand.amount, 0);

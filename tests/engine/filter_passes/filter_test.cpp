@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "filtered_fields.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace filter_test {
@@ -12,12 +13,14 @@ namespace filter_test {
 struct Case {
   const char* chain;
   Vec3i size;
+  Vec3i smaller = size;  // but in a long run, where the twin takes seconds
 };
 class FilterBits : public testing::TestWithParam<Case> {};
 
 TEST_P(FilterBits, EqualTheTwin) {
   const auto steps = lowerFilters(filterChain(GetParam().chain), testLattice().spacing_m);
-  const Volume fields[] = {ballField(GetParam().size, 9.0), extremes(GetParam().size)};
+  const Vec3i size = isLongRun() ? GetParam().size : GetParam().smaller;
+  const Volume fields[] = {ballField(size, 9.0), extremes(size)};
   for (const Volume& volume : fields) {
     EXPECT_EQ(differing(filteredOnGpu(volume, steps), reference::applyFilters(reference::denseField(volume), steps)),
               0U);
@@ -53,8 +56,8 @@ INSTANTIATE_TEST_SUITE_P(Box, FilterBits,
                          testing::Values(Case{"dilate:1", {41, 33, 37}}, Case{"erode:2", {41, 33, 37}},
                                          Case{"close:1", {41, 33, 37}}, Case{"open:1mm", {41, 33, 37}},
                                          Case{"dilate:3:border=mirror", {41, 33, 37}}, Case{"erode:4", {40, 41, 42}},
-                                         Case{"dilate:7", {60, 41, 42}}, Case{"close:9", {60, 61, 62}},
-                                         Case{"erode:32", {90, 89, 88}}, Case{"dilate:5", {2, 30, 2}},
+                                         Case{"dilate:7", {60, 41, 42}}, Case{"close:9", {60, 61, 62}, {29, 35, 42}},
+                                         Case{"erode:32", {90, 89, 88}, {70, 67, 10}}, Case{"dilate:5", {2, 30, 2}},
                                          Case{"open:2", {30, 2, 3}}));
 
 INSTANTIATE_TEST_SUITE_P(
@@ -62,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"dilate:1:shape=ball", {41, 33, 37}}, Case{"erode:2:shape=ball", {41, 33, 37}},
                     Case{"close:1.5:shape=ball", {41, 33, 37}}, Case{"open:2.2mm:shape=ball", {41, 33, 37}},
                     Case{"dilate:1mm:shape=ball", {20, 21, 22}},
-                    Case{"dilate:5:shape=ball:border=mirror", {40, 41, 42}}, Case{"erode:9:shape=ball", {44, 41, 43}},
+                    Case{"dilate:5:shape=ball:border=mirror", {40, 41, 42}, {25, 26, 27}}, Case{"erode:9:shape=ball", {44, 41, 43}, {26, 25, 27}},
                     Case{"dilate:3:shape=ball", {2, 30, 2}}, Case{"erode:3:shape=ball", {30, 2, 3}}));
 
 // Far from the ball nothing is stored, and nothing near it is lost.

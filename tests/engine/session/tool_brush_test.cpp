@@ -94,6 +94,25 @@ TEST(ToolBrush, AToolThatComesBackIsNotAtRest) {
 }
 
 // At rest is who stays within 0.05 radii, here 0.1 mm, of the end of the last stroke.
+// The tool was gone, with its device: no stroke goes from where it was to where it comes back.
+TEST(ToolBrush, BeginsAnewWhereTheToolComesBack) {
+  ToolBrush tool = brush("remove:radius=2mm");
+  std::vector<EditCommand> strokes;
+  const auto go = [&](double x_m, int from_tick, int to_tick) {
+    for (int tick = from_tick; tick < to_tick; ++tick) {
+      const auto due = tool.dueStroke(poseAt(x_m + 1e-3 * (tick - from_tick), true), tick * kTick_ns);
+      strokes.insert(strokes.end(), due.begin(), due.end());
+    }
+  };
+  go(0, 0, 10);
+  const std::size_t before = strokes.size();
+  ASSERT_GT(before, 0U);
+  tool.lift();
+  go(0.1, 10, 20);
+  ASSERT_GT(strokes.size(), before);
+  EXPECT_EQ(strokes[before].from_W.x(), 0.1);
+}
+
 TEST(ToolBrush, ATwentiethOfTheRadiusIsAWay) {
   for (const auto& [way_m, strokes] : {std::pair(0.099e-3, 0U), std::pair(0.101e-3, 1U)}) {
     ToolBrush tool = brush("remove:radius=2mm");

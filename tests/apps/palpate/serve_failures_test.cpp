@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// `palpate serve`, `servo` and `top`: processes that come, stand still and go, and devices that are lost.
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include "base/atomic_file.hpp"
+#include "base/descriptor.hpp"
+#include "engine/journal/volume_identity.hpp"
+#include "served_sphere.hpp"
+
+namespace palpate {
+namespace serve_failures_test {
+
+using testing::HasSubstr;
+
+// A Vulkan layer that loses the device when it is told to (tests/support/vulkan_faults_layer.cpp).
+class LosesDevices {
+ public:
+  explicit LosesDevices(const std::filesystem::path& folder) : order_(folder / "fault") {
+    std::filesystem::create_directories(folder / "layers");
+    std::ofstream(folder / "layers/faults.json")
+        << R"({"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_palpate_faults", "type": "GLOBAL", )"
+        << R"("api_version": "1.3.0", "implementation_version": "1", "description": "loses the device", )"
+        << R"("library_path": ")" << PALPATE_FAULTS_LAYER << R"("}})";
+    setenv("VK_INSTANCE_LAYERS", "VK_LAYER_palpate_faults", 1);
+    setenv("VK_LAYER_PATH", ("/usr/share/vulkan/explicit_layer.d:" + (folder / "layers").string()).c_str(), 1);
+    setenv("PALPATE_VULKAN_FAULT", order_.c_str(), 1);
+  }
+  ~LosesDevices() {
+    for (const char* name : {"VK_INSTANCE_LAYERS", "VK_LAYER_PATH", "PALPATE_VULKAN_FAULT"}) unsetenv(name);
+  }
+  LosesDevices(const LosesDevices&) = delete;
+  LosesDevices& operator=(const LosesDevices&) = delete;
+  // With the next submission: VK_ERROR_DEVICE_LOST.
+  void next() const { writeFileAtomically(order_, "submit -4"); }
+  void noMore() const { std::filesystem::remove(order_); }
+
+ private:
+  std::filesystem::path order_;
+};
+
+class ServeFailures : public ServedSphere {};
+
+// Killed in the middle of its work: what was answered comes back, and the servo, which lived on, takes up its contact.
+TEST_F(ServeFailures, AKilledEngineComesBackWithItsEdits) {
+  writePress();
+  serve({kServedSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  join();
+  ASSERT_TRUE(awaitServo());
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  const double tick = status()["tick"];
+  engine.end(SIGKILL);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_FALSE(servo.hasEnded());
+  serve({kServedSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["servo"] == 1 && now["force_N"] > 0.3; }))
+      << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  EXPECT_GT(status()["tick"], tick);  // the very same loop
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
+  expectSuccess(ctl({"undo"}));  // the edit can be undone by the next engine too
+  EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("the force fades"));
+}
+
+// The servo is killed: the engine goes on, a new servo joins. A second one is turned away.
+TEST_F(ServeFailures, ServosComeAndGo) {
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  join();
+  ASSERT_TRUE(awaitServo());
+  RunningProgram second(PALPATE_PROGRAM, {"servo"}, folder(), "second.log");
+  const auto isTurnedAway = [this] { return contentsOf(file("serve.log")).find("turned away") != std::string::npos; };
+  for (int look = 0; look < 200 && !isTurnedAway(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(isTurnedAway());
+  EXPECT_EQ(status()["servos"], 1);
+  servo.end(SIGKILL);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servos"] >= 2 && now["windows"] > 0; }));  // the second
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  EXPECT_EQ(WEXITSTATUS(second.end(SIGTERM)), 0);  // in good order
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; }));
+  expectSuccess(ctl({"undo"}));
+}
+
+// Stopped and let go on, as by a debugger or a driver that hangs: no servo is lost, and no edit.
+TEST_F(ServeFailures, AStoppedEngineGoesOn) {
+  writePress();
+  serve({kServedSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; }));
+  engine.send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  engine.send(SIGCONT);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; }));
+  EXPECT_EQ(status()["servos"], 1);
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+}
+
+// A servo whose device is not there says so once, and does not flood the terminal.
+TEST_F(ServeFailures, SaysOnceWhyThereIsNoServo) {
+  serve({kServedSphere, "--device", "polhem-v1", "--current-limit", "3"});
+  ASSERT_TRUE(awaitService());
+  join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  for (const char* log : {"serve.log", "servo.log"}) {
+    const std::string said = contentsOf(file(log));
+    const std::size_t first = said.find("none of this machine's HID devices is one");
+    EXPECT_NE(first, std::string::npos) << log << said;
+    EXPECT_EQ(said.find("none of this machine's HID devices is one", first + 1), std::string::npos) << log << said;
+  }
+}
+
+// One command for both: whoever dies is started again, and the service ends with its engine's good end.
+TEST_F(ServeFailures, IsSupervised) {
+  writePress();
+  serve({kServedSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1", "--supervise"});
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  const auto killChild = [&](const std::string& name) {
+    const Outcome outcome = runPalpate({.arguments = {"-c", fmt::format("pkill -KILL -P {} -x {}", engine.id(), name)},
+                                        .program = "/bin/sh",
+                                        .folder = folder()});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+  };
+  killChild("palpate-servo");
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servos"] >= 2 && now["force_N"] > 0.3; }));
+  killChild("palpate");
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["undoable"] == 1 && now["force_N"] > 0.3; }))
+      << contentsOf(file("serve.log"));
+  EXPECT_THAT(ctl({"metrics"}).out, HasSubstr("palpate_servo 1\n"));
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(engine.hasEnded()) << contentsOf(file("serve.log"));
+}
+
+// The device is lost again and again, while a hand presses and clients edit: the engine is made anew in the same
+// process, clients and servo stay, and what was answered is there.
+TEST_F(ServeFailures, ALostDeviceIsMadeAnew) {
+  const LosesDevices loses(folder());
+  writePress();
+  serve({kServedSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  const pid_t process = engine.id();
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  const double tick = status()["tick"];
+  std::size_t answered = 0;
+  for (int lost = 0; lost < 3; ++lost) {
+    loses.next();
+    for (int i = 0; i < 4; ++i) {
+      const Outcome edit = ctl({"edit", fmt::format("add:radius=1mm:at={},-12,-12mm", -12 + 2 * (4 * lost + i))});
+      if (edit.status == 0) ++answered;
+      EXPECT_TRUE(edit.status == 0 || edit.err.find("driver") != std::string::npos) << edit.err;
+    }
+    ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["engines"] == lost + 2 && now["force_N"] > 0.3; }))
+        << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  }
+  EXPECT_EQ(engine.id(), process);
+  EXPECT_FALSE(engine.hasEnded());
+  EXPECT_GE(answered, 9U);
+  EXPECT_EQ(status()["undoable"], answered);
+  // What was undone before the device was lost can be redone after.
+  expectSuccess(ctl({"save", "all.vdb"}));
+  for (int i = 0; i < 3; ++i) expectSuccess(ctl({"undo"}));
+  loses.next();
+  expectSuccess(ctl({"render", "between.png", "--width", "64", "--height", "48"}));  // by the next engine
+  ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["engines"] == 5 && now["force_N"] > 0.3; }))
+      << contentsOf(file("serve.log"));
+  EXPECT_EQ(status()["redoable"], 3);
+  for (int i = 0; i < 3; ++i) expectSuccess(ctl({"redo"}));
+  expectSuccess(ctl({"save", "again.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("again.vdb").string())), contentHash(loadVolume(file("all.vdb").string())));
+  EXPECT_GT(status()["tick"], tick);  // the very same loop
+  expectSuccess(ctl({"render", "after.png", "--width", "64", "--height", "48"}));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the engine is made anew from the volume with its edits"));
+}
+
+// With nobody there the next edit meets the failure; it is not lost either, as it was not answered.
+TEST_F(ServeFailures, ADeviceThatIsLostForGoodEndsTheService) {
+  const LosesDevices loses(folder());
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  for (int lost = 0; lost < 30 && !engine.hasEnded(); ++lost) {
+    loses.next();
+    static_cast<void>(ctl({"edit", "add:radius=2mm:at=12,-12,-12mm"}));
+  }
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(engine.hasEnded());
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("its device has failed again and again"));
+  loses.noMore();
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  EXPECT_GE(status()["undoable"], 1);  // the journal has what was answered
+}
+
+// Nothing is left of the object: engines are made of that, too, and undo brings it back.
+TEST_F(ServeFailures, AnEngineIsMadeOfNothing) {
+  const LosesDevices loses(folder());
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "remove:radius=40mm:at=0,0,0"}));
+  loses.next();
+  expectSuccess(ctl({"render", "nothing.png", "--width", "64", "--height", "48"}));
+  expectSuccess(ctl({"filter", "gaussian:1"}));
+  EXPECT_EQ(status()["engines"], 3);
+  expectSuccess(ctl({"filter", ""}));
+  expectSuccess(ctl({"undo"}));
+  expectSuccess(ctl({"save", "again.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("again.vdb").string())), contentHash(loadVolume(kServedSphere)));
+}
+
+// It says that the service has gone, and goes on with the next one.
+TEST_F(ServeFailures, IsWatchedFromEngineToEngine) {
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  RunningProgram top(PALPATE_PROGRAM, {"top", "--every", "0.05"}, folder(), "top.log");
+  const auto told = [&](const std::string& words, std::size_t times) {
+    for (int look = 0; look < 1200; ++look) {
+      const std::string text = contentsOf(file("top.log"));
+      std::size_t found = 0;
+      for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++found;
+      if (found >= times) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  };
+  EXPECT_TRUE(told("off  ", 3)) << contentsOf(file("top.log"));
+  engine.end(SIGKILL);
+  EXPECT_TRUE(told("has ended; Ctrl-C ends the wait", 1)) << contentsOf(file("top.log"));
+  write("top.log", "");
+  serve({kServedSphere});
+  EXPECT_TRUE(told("off  ", 2)) << contentsOf(file("top.log"));
+  engine.send(SIGSTOP);
+  EXPECT_TRUE(told("does not answer", 1)) << contentsOf(file("top.log"));
+  engine.send(SIGCONT);
+  EXPECT_EQ(WEXITSTATUS(top.end(SIGINT)), 130);
+}
+
+// systemd hears when it is ready, what it serves, that it lives, and that it ends. One that stands still says nothing.
+TEST_F(ServeFailures, TellsSystemdThatItLives) {
+  const std::string path = file("notify.sock").string();
+  const Descriptor inbox(::socket(AF_UNIX, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(inbox.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  setenv("WATCHDOG_USEC", "400000", 1);
+  serve({kServedSphere});
+  unsetenv("NOTIFY_SOCKET");
+  unsetenv("WATCHDOG_USEC");
+  std::vector<std::string> said;
+  const auto listen = [&] {
+    char message[512];
+    for (ssize_t count = 0; (count = recv(inbox.get(), message, sizeof message, 0)) > 0;)
+      said.emplace_back(message, static_cast<std::size_t>(count));
+    return std::ranges::count(said, "WATCHDOG=1");
+  };
+  for (int look = 0; look < 1200 && listen() < 3; ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_GE(said.size(), 5U);
+  EXPECT_EQ(said[0], "READY=1");
+  EXPECT_THAT(said[1], HasSubstr("STATUS=phantom:sphere?size=32 is served at "));
+  engine.send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));  // what it said before has come
+  const auto before = listen();
+  std::this_thread::sleep_for(std::chrono::milliseconds(900));
+  EXPECT_EQ(listen(), before);
+  engine.send(SIGCONT);
+  for (int look = 0; look < 1200 && listen() == before; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_GT(listen(), before);
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  listen();
+  EXPECT_EQ(said.back(), "STOPPING=1");
+}
+
+}  // namespace serve_failures_test
+}  // namespace palpate
