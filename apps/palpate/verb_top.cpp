@@ -75,7 +75,8 @@ class Watch {
   void print(const Figures& now) {
     if (lines_++ % kLinesBetweenHeads == 0)
       printText(
-          "servo  ticks/s  pose [ms]  force [N]  contact  windows/s  edits/s  undo/redo  to disk  clients  "
+          "servo  ticks/s  pose [ms]  window [ms]  force [N]  contact  windows/s  edits/s  waiting  undo/redo  to disk "
+          " clients  "
           "memory [MiB]: engine  servo  GPU  faults\n");
     const std::int64_t now_ns = monotonicNow_ns();
     const double passed_s = static_cast<double>(now_ns - last_ns_) / kNanosecondsPerSecond;
@@ -84,14 +85,18 @@ class Watch {
       return last_.contains(key) ? std::max(0.0, value(key) - last_.at(key)) / passed_s : 0;
     };
     const bool has_servo = value("servo") > 0;
-    printText(
-        fmt::format("{:<5}  {:>7.0f}  {:>9.1f}  {:>9.2f}  {:<7}  {:>9.0f}  {:>7.1f}  {:>4.0f}/{:<4.0f}  {:>7.0f}  "
-                    "{:>7.0f}  {:>20.1f}  {:>5.1f}  {:>5.1f}  {}\n",
-                    has_servo ? "on" : "off", rate("tick"), value("pose_age_ms"), value("force_N"),
-                    value("contact") > 0 ? "yes" : "no", rate("windows"), rate("edits"), value("undoable"),
-                    value("redoable"), value("waiting_for_disk"), value("clients"), value("engine_memory_bytes") / kMiB,
-                    value("servo_memory_bytes") / kMiB, value("gpu_bytes") / kMiB,
-                    has_servo ? faultNames(static_cast<std::uint32_t>(value("faults"))) : "-"));
+    printText(fmt::format(
+        "{:<5}  {:>7.0f}  {:>9.1f}  {:>11.1f}  {:>9.2f}  {:<7}  {:>9.0f}  {:>7.1f}  {:>7.0f}  {:>4.0f}/{:<4.0f}  "
+        "{:>7.0f}  "
+        "{:>7.0f}  {:>20.1f}  {:>5.1f}  {:>5.1f}  {}\n",
+        has_servo ? "on" : "off", rate("tick"), value("pose_age_ms"), value("window_age_ms"), value("force_N"),
+        value("force_off") > 0 ? "off"
+        : value("contact") > 0 ? "yes"
+                               : "no",
+        rate("windows"), rate("edits"), value("waiting"), value("undoable"), value("redoable"),
+        value("waiting_for_disk"), value("clients"), value("engine_memory_bytes") / kMiB,
+        value("servo_memory_bytes") / kMiB, value("gpu_bytes") / kMiB,
+        has_servo ? faultNames(static_cast<std::uint32_t>(value("faults"))) : "-"));
     last_ = now;
     last_ns_ = now_ns;
   }

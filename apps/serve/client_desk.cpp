@@ -439,15 +439,19 @@ void ClientDesk::askFromAWindow(const wire::AskT& ask, const Answer& done, Clien
       break;
     case wire::Verb::Hold:
       checkWords(ask, 1, 1);
-      served_.hold(client.onlooker, toolBrushSpec(ask.words[0]));
-      break;
+      return inOrder(done, [this, done, one = client.onlooker, brush = toolBrushSpec(ask.words[0])] {
+        served_.hold(one, brush);
+        done({}, {});
+      });
     case wire::Verb::Release:
       served_.release(client.onlooker);
       break;
     case wire::Verb::GoTo:
       checkWords(ask, 1, 1);
-      served_.goTo(countOf(ask.words[0]));
-      break;
+      return inOrder(done, [this, done, count = countOf(ask.words[0])] {
+        served_.goTo(count);
+        done({}, {});
+      });
     default:
       return served_.change(settingsOf(ask.settings),
                             [done](const std::optional<Error>& refusal) { done(refusal, {}); });

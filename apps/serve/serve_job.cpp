@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/serve_job.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <vector>
@@ -29,6 +31,8 @@ namespace {
 constexpr int kLook_ms = 50;  // how long a signal may go unseen
 
 volatile std::sig_atomic_t reload_asked = 0, stop_asked = 0;
+std::atomic<std::int64_t> stop_asked_ns{0};
+constexpr std::int64_t kAgain_ns = 500'000'000;  // one sent twice is one request (apps/console/interrupt.hpp)
 
 void askToReload(int) {
   reload_asked = 1;
@@ -37,8 +41,12 @@ void askToReload(int) {
 // The work that is left, as a file to be saved, is not given up for the first signal. Another one ends the process:
 // edits are in the journal.
 void askToStop(int number) {
-  if (stop_asked != 0) static_cast<void>(std::signal(number, SIG_DFL));
+  const std::int64_t now_ns = monotonicNow_ns();
+  if (stop_asked == 0) stop_asked_ns = now_ns;
   stop_asked = 1;
+  if (now_ns - stop_asked_ns < kAgain_ns) return;
+  static_cast<void>(std::signal(number, SIG_DFL));
+  static_cast<void>(std::raise(number));
 }
 
 void tell(const std::string& words) {
@@ -116,6 +124,7 @@ class Watchdog {
 
 void serveScene(const ServeRequest& request, Progress& progress) {
   keepHeapFlat();
+  static_cast<void>(std::signal(SIGHUP, askToReload));  // also while the volume is loaded
   const ServiceNotify notify;
   const std::string socket = socketOf(request.scene);
   makeSocketFolder(socket);
@@ -125,7 +134,6 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   ClientDesk desk(std::move(listener), served, tell);
   const ClosedFirst closed{served};  // what it still has to answer goes to the desk
   for (const int number : {SIGTERM, SIGINT}) static_cast<void>(std::signal(number, askToStop));
-  static_cast<void>(std::signal(SIGHUP, askToReload));
   served.start();
   progress.done();
   const std::unique_ptr<MetricsDoor> metrics = metricsDoorOf(request.scene, served, desk);

@@ -38,6 +38,9 @@ constexpr StatusFigure kFigures[] = {
     {"pose_age_ms", "since the servo's newest pose was seen [ms]", false, [](S s, std::int64_t now_ns) {
        return s.pose.tick < 0 ? 0.0 : static_cast<double>(now_ns - s.pose_at_ns) / kNanosecondsPerMillisecond;
      }},
+    {"window_age_ms", "age of the window that the servo's newest tick used [ms]", false, [](S s, std::int64_t) {
+       return s.servo ? static_cast<double>(s.window_age_ns) / kNanosecondsPerMillisecond : 0.0;
+     }},
     {"force_N", "force that the device was sent last [N]", false, [](S s, std::int64_t) { return s.pose.force_W.norm(); }},
     {"force_off", "1 while the device exerts no force, whatever it is sent", false, [](S s, std::int64_t) { return s.servo && s.force_off != ForceOff::kNone ? 1.0 : 0.0; }},
     {"contact", "1 while the tool is in contact", false, [](S s, std::int64_t) { return s.pose.normal_W.isZero(0) ? 0.0 : 1.0; }},

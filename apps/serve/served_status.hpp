@@ -22,6 +22,7 @@ struct ServedStatus {
   ToolPose pose;                                    // of the newest one; tick -1: none
   ForceOff force_off = ForceOff::kNone;             // why its device exerts none
   std::int64_t pose_at_ns = 0;                      // when it was seen (CLOCK_MONOTONIC)
+  std::int64_t window_age_ns = 0;                   // of the window that its newest tick used, since it was published
   std::uint64_t windows = 0;                        // that the servo has read, as its poses say
   std::array<std::uint64_t, 32> faults_begun = {};  // by bit (servo/safety/faults.hpp): as poses were seen to show them
   std::uint64_t waiting_for_disk = 0;               // edits that are made but not on the disk

@@ -443,6 +443,10 @@ bool ServedVolume::lookAround(std::int64_t now_ns) {
 void ServedVolume::lookForOnlookers(TouchRig& rig) {
   told_.clear();
   rig.ticks().take(told_);
+  if (!told_.empty()) {
+    const std::lock_guard lock(mutex_);
+    status_.window_age_ns = told_.back().window_age_ns;
+  }
   onlookers_.pass(told_);
   const std::optional<Vec3> hip_W = onlookers_.takeAim();
   if (hip_W && !isHeld(first_scene_)) servo_->aim(*hip_W);
@@ -536,6 +540,9 @@ void ServedVolume::change(const RigSettings& settings, Done done) {
   Scene next = withRigSettings(present, settings);
   if (settings.parameters.isovalue == wantedIsovalue(present)) next.isovalue = present.isovalue;
   checkLiveSettings(present, next);
+  constexpr std::size_t kMostRows = 256;  // whoever looks on is told them in one message
+  if (settings.haptization.density.size() > kMostRows || settings.haptization.gradient.size() > kMostRows)
+    refuse("haptization", fmt::format("a table has more than {} rows", kMostRows), "give fewer");
   change(next, std::move(done));
 }
 

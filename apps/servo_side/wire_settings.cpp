@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/wire_settings.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "base/error.hpp"
@@ -147,9 +149,19 @@ DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
 }
 
 std::vector<HandParameters> handsOf(const wire::DeviceMadeT& wire) {
+  constexpr std::size_t kMostHands = 8;  // for each the loop's stability is computed
+  if (wire.hands.size() > kMostHands)
+    refuse("the servo's device", fmt::format("it names {} hands, and may name {}", wire.hands.size(), kMostHands),
+           "start programs of the same version of Palpate");
   std::vector<HandParameters> hands;
   for (const auto& hand : wire.hands) {
     if (!hand) continue;
+    for (const double number : {hand->hand_mass_kg, hand->hand_damping_Ns_per_m, hand->hand_stiffness_N_per_m,
+                                hand->device_mass_kg, hand->device_damping_Ns_per_m, hand->device_friction_N}) {
+      if (!std::isfinite(number) || number < 0)
+        refuse("the servo's device", fmt::format("a hand of it has {}", number),
+               "start programs of the same version of Palpate");
+    }
     hands.push_back({.hand_mass_kg = hand->hand_mass_kg,
                      .hand_damping_Ns_per_m = hand->hand_damping_Ns_per_m,
                      .hand_stiffness_N_per_m = hand->hand_stiffness_N_per_m,

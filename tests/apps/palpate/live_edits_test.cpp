@@ -305,7 +305,7 @@ TEST_F(LiveEdits, ASaveHoldsEveryEdit) {
 
 // The picture and the report are those of a run without saves, to the byte where no time is in them.
 TEST_F(LiveEdits, SavingChangesNothingElse) {
-  Words words = touch(kDrill + Words{"--width", "320", "--height", "240"});
+  Words words = touch(kDrill + Words{"--width", "480", "--height", "270"});
   words[7] = "on";
   expectSuccess(run(words));
   const std::string picture = contentsOf(file("out") / "view.png"), trace = contentsOf(file("out") / "trace.csv");

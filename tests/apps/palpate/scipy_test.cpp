@@ -77,9 +77,9 @@ class SciPy : public ProgramTest {
 
 // Both pick one of the values that are there, so they are equal.
 TEST_F(SciPy, MediansAndMorphologyAreEqual) {
-  const Words chains = {"median:2:border=mirror", "median:1.5mm",        "dilate:2",
-                        "erode:1.9mm",            "open:2:border=mirror", "erode:3:shape=ball:border=mirror",
-                        "close:2.5:shape=ball"};
+  const Words chains = {
+      "median:2:border=mirror",           "median:1.5mm",        "dilate:2", "erode:1.9mm", "open:2:border=mirror",
+      "erode:3:shape=ball:border=mirror", "close:2.5:shape=ball"};
   const Words like_those = {"median:1", "close:2", "dilate:2:shape=ball", "open:2.1mm:shape=ball"};
   for (const auto& [chain, compared] : compare(isLongRun() ? chains + like_those : chains)) {
     EXPECT_EQ(compared.difference, 0) << chain;

@@ -300,10 +300,9 @@ TEST_F(Verbs, PlanSaysWhatIsDoneAndWhatIsLeftOut) {
 
 // With everything on that goes together, each pipeline, buffer and library has words that say what it is for.
 TEST_F(Verbs, PlanSaysOfEverythingWhatItIsFor) {
-  const Outcome outcome =
-      run({"plan", "phantom:sphere?size=32", "--rounds", "0", "--json", "plan.json", "--filter", "median:1",
-           "--gradient-operator", "gaussian:1", "--edit", "smooth:radius=2mm", "--friction-static", "0.5", "--object",
-           "sphere:centre=0,0,100000:radius=5"});
+  const Outcome outcome = run({"plan", "phantom:sphere?size=32", "--rounds", "0", "--json", "plan.json", "--filter",
+                               "median:1", "--gradient-operator", "gaussian:1", "--edit", "smooth:radius=2mm",
+                               "--friction-static", "0.5", "--object", "sphere:centre=0,0,100000:radius=5"});
   expectSuccess(outcome);
   EXPECT_THAT(outcome.out, HasSubstr("kept, since edits change it"));  // the smoothed field
   const auto plan = nlohmann::json::parse(contentsOf(file("plan.json")));
@@ -412,8 +411,8 @@ TEST_F(Verbs, CheckRefusesAFileThatCannotBeWrittenBeforeTheWork) {
   EXPECT_THAT(outcome.err, testing::Not(HasSubstr("loading")));
 }
 
-// Every operator, and both forms of samples, differ in no bit from the twin. But in a long run an operator has one form,
-// in turn.
+// Every operator, and both forms of samples, differ in no bit from the twin. But in a long run an operator has one
+// form, in turn.
 TEST_F(Verbs, CheckTakesOperatorsAndSamples) {
   bool takes_half = false;
   for (const char* way : {"central", "sobel", "central4", "gaussian:1.2"}) {

@@ -34,6 +34,7 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   status.force_off = ForceOff::kClutched;
   status.pose_at_ns = 5'000'000;
   status.windows = 3;
+  status.window_age_ns = 14'000'000;
   status.waiting_for_disk = 4;
   status.waiting = 5;
   status.edits = 6;
@@ -50,11 +51,13 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   EXPECT_NEAR(all["servo_memory_bytes"], all["engine_memory_bytes"], 1e6);  // it is this process
   all.erase("engine_memory_bytes");
   all.erase("servo_memory_bytes");
-  const std::map<std::string, double> expected = {
-      {"servo", 1},     {"servos", 2},         {"tick", 77},    {"pose_age_ms", 2}, {"force_N", 5},
-      {"force_off", 1}, {"contact", 1},        {"faults", 96},  {"windows", 3},     {"waiting_for_disk", 4},
-      {"waiting", 5},   {"edits", 6},          {"refused", 7},  {"undoable", 8},    {"redoable", 9},
-      {"unsaved", 1},   {"journal_bytes", 10}, {"engines", 11}, {"gpu_bytes", 12},  {"clients", 13}};
+  const std::map<std::string, double> expected = {{"servo", 1},       {"servos", 2},           {"tick", 77},
+                                                  {"pose_age_ms", 2}, {"window_age_ms", 14},   {"force_N", 5},
+                                                  {"force_off", 1},   {"contact", 1},          {"faults", 96},
+                                                  {"windows", 3},     {"waiting_for_disk", 4}, {"waiting", 5},
+                                                  {"edits", 6},       {"refused", 7},          {"undoable", 8},
+                                                  {"redoable", 9},    {"unsaved", 1},          {"journal_bytes", 10},
+                                                  {"engines", 11},    {"gpu_bytes", 12},       {"clients", 13}};
   EXPECT_EQ(all, expected);
 }
 

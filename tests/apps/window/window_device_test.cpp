@@ -112,7 +112,7 @@ TEST_P(WithAnArm, GoesOnWithAnotherVolume) {
 }
 
 // The same, but the cable was pulled for a moment: it counts from anywhere then, and exerts no force, whatever was said
-// of it at the start. But in a long run, with one servo: with that which another process has to be told of it.
+// of it at the start. But in a long run, with one servo: with that from whose process the window hears of it.
 TEST_P(WithAnArm, ThatWasUnpluggedIsNotTakenForCalibratedWithAnotherVolume) {
   const bool has_own_process = GetParam();
   if (!has_own_process) PALPATE_LONG_ONLY();

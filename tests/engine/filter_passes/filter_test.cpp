@@ -65,8 +65,9 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Case{"dilate:1:shape=ball", {41, 33, 37}}, Case{"erode:2:shape=ball", {41, 33, 37}},
                     Case{"close:1.5:shape=ball", {41, 33, 37}}, Case{"open:2.2mm:shape=ball", {41, 33, 37}},
                     Case{"dilate:1mm:shape=ball", {20, 21, 22}},
-                    Case{"dilate:5:shape=ball:border=mirror", {40, 41, 42}, {25, 26, 27}}, Case{"erode:9:shape=ball", {44, 41, 43}, {26, 25, 27}},
-                    Case{"dilate:3:shape=ball", {2, 30, 2}}, Case{"erode:3:shape=ball", {30, 2, 3}}));
+                    Case{"dilate:5:shape=ball:border=mirror", {40, 41, 42}, {25, 26, 27}},
+                    Case{"erode:9:shape=ball", {44, 41, 43}, {26, 25, 27}}, Case{"dilate:3:shape=ball", {2, 30, 2}},
+                    Case{"erode:3:shape=ball", {30, 2, 3}}));
 
 // Far from the ball nothing is stored, and nothing near it is lost.
 TEST(FilterChain, KeepsASparseVolumeSparse) {
