@@ -38,6 +38,7 @@ class FailingRun : public testing::Test {
     edits.during([&] {
       for (int i = 0; i < looks; ++i) {
         ToolPose pose;
+        pose.tick = 0;
         pose.normal_W = Vec3::UnitX();
         pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
         edits.edits().look(pose, i * std::int64_t{10'000'000});
@@ -111,6 +112,7 @@ TEST_F(FailingRun, ThatIsEndedEarlyDropsAnEmptyJournalAlone) {
     LiveEdits edits(scene, volume, engine);
     for (int i = 0; i < looks; ++i) {
       ToolPose pose;
+      pose.tick = 0;
       pose.normal_W = Vec3::UnitX();
       pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
       edits.edits().look(pose, i * std::int64_t{10'000'000});
@@ -207,6 +209,7 @@ TEST_F(FailingRun, ThatEndsWellCountsWhatItDid) {
   bad.radius_m = -1;
   edits.edits().edit({bad});
   ToolPose pose;
+  pose.tick = 0;
   pose.normal_W = Vec3::UnitX();
   for (int i = 0; i < 6; ++i) {
     pose.position_W = volume.lattice().toWorld(Vec3(28 - 2 * i, 16, 16));
