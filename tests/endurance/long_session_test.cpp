@@ -2,7 +2,8 @@
 // However many edits a session has made, a service that was killed is back as soon as after a few: it makes those again
 // that the checkpoints lack, and the volume has all.
 //
-// PALPATE_SESSION_EDITS: how many at least (1000; `./dev kills` takes 20 for each kill).
+// PALPATE_SESSION_EDITS: how many at least (1000; `./dev kills` takes 15 for each kill: the memory for undo, which the
+// test counts, holds some 19000).
 #include <algorithm>
 #include <chrono>
 #include <functional>

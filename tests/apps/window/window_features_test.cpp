@@ -26,6 +26,15 @@ std::filesystem::path fileIn(const std::filesystem::path& folder, const std::str
   return found.size() == 1 ? found[0] : std::filesystem::path();
 }
 
+// With a row for each tick.
+std::vector<TimedPoint> recordedPath(const std::filesystem::path& file) {
+  std::vector<TimedPoint> path = readPathCsv(file);
+  EXPECT_GT(path.size(), 500U);
+  EXPECT_EQ(path.front().time_s, 0);
+  EXPECT_NEAR(path.back().time_s, static_cast<double>(path.size() - 1) * 1e-3, 1e-9);
+  return path;
+}
+
 TEST_F(OnADesktop, WritesAPictureOfItself) {
   start();
   ASSERT_TRUE(showsBall()) << program->said();
@@ -66,10 +75,7 @@ TEST_F(OnADesktop, RecordsTheToolsWay) {
   endsWell();  // the file is whole by then
   const std::filesystem::path file = fileIn(home(), ".csv");
   ASSERT_FALSE(file.empty());
-  const std::vector<TimedPoint> path = readPathCsv(file);
-  EXPECT_GT(path.size(), 500U);
-  EXPECT_EQ(path.front().time_s, 0);
-  EXPECT_NEAR(path.back().time_s, static_cast<double>(path.size() - 1) * 1e-3, 1e-9);
+  const std::vector<TimedPoint> path = recordedPath(file);
   EXPECT_GT((path.back().p_W - path.front().p_W).norm(), 5e-3);
 }
 
@@ -109,10 +115,7 @@ TEST_F(OnADesktop, RecordsStrokesThatAreReplayed) {
   endsWell();
   const std::filesystem::path file = fileIn(home(), ".csv");
   ASSERT_FALSE(file.empty());
-  const std::vector<TimedPoint> path = readPathCsv(file);
-  EXPECT_GT(path.size(), 500U);
-  EXPECT_EQ(path.front().time_s, 0);
-  EXPECT_NEAR(path.back().time_s, static_cast<double>(path.size() - 1) * 1e-3, 1e-9);
+  const std::vector<TimedPoint> path = recordedPath(file);
   double farthest_m = 0;
   for (const TimedPoint& point : path) farthest_m = std::max(farthest_m, (point.p_W - path.front().p_W).norm());
   EXPECT_GT(farthest_m, 5e-3);
