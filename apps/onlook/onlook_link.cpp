@@ -15,6 +15,7 @@
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
+#include "base/other_version.hpp"
 #include "base/thread_names.hpp"
 #include "service/channel/channel.hpp"
 
@@ -118,8 +119,7 @@ std::unique_ptr<MessageChannel> OnlookLink::join(const std::function<void()>& wh
     received = channel->receive(kPoll_ms);
   }
   const auto* const answer = contentOf<wire::AnswerT>(received->body);
-  if (answer == nullptr)
-    refuse("the service", "it answers with a message of another kind", "start programs of the same version of Palpate");
+  if (answer == nullptr) refuseOtherVersion("the service", "it answers with a message of another kind");
   if (answer->refusal) throw errorOf(*answer->refusal);
   auto joined = std::make_shared<Joined>();
   joined->facts = factsOf(answer->facts);

@@ -9,6 +9,7 @@
 
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
+#include "base/other_version.hpp"
 
 namespace palpate {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 constexpr std::size_t kMostPlanes = 16;  // of a kind; engine/draw says how many it draws
 
 [[noreturn]] void refuseWire(const std::string& input, const std::string& reason) {
-  refuse(input, reason, "start programs of the same version of Palpate");
+  refuseOtherVersion(input, reason);
 }
 
 void checkFinite(const std::string& input, std::initializer_list<double> values) {

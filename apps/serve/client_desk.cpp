@@ -19,6 +19,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
+#include "base/other_version.hpp"
 #include "base/units.hpp"
 #include "engine/edit/edit_text.hpp"
 #include "engine/session/tool_brush.hpp"
@@ -313,7 +314,7 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
       leaves_ = true;
       return done({}, "the service ends");
   }
-  refuse("the question", "this program does not know it", "start programs of the same version of Palpate");
+  refuseOtherVersion("the question", "this program does not know it");
 }
 
 // What is asked for after an edit whose mesh is still being read waits for it.

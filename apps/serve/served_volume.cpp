@@ -27,8 +27,6 @@
 namespace palpate {
 namespace {
 
-constexpr int kDevicePatience_ms = 10'000;  // with a servo that makes its device
-constexpr int kLoopPatience_ms = 2000;      // with one that makes its loop, while nobody's edit is made
 constexpr std::int64_t kFirstTick_ns = 5'000'000'000;
 constexpr std::chrono::milliseconds kIdle{1};
 constexpr std::chrono::milliseconds kRigLook{2};
@@ -54,7 +52,7 @@ Error hasEnded() {
 }  // namespace
 
 ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell)
-    : commit_(request.commit), tell_(std::move(tell)), journal_(request.journal), first_scene_(request.scene) {
+    : tell_(std::move(tell)), journal_(request.journal), first_scene_(request.scene) {
   checkServable(first_scene_);
   scene_ = withUsual(first_scene_);
   engine_ = std::make_unique<ServedEngine>(first_scene_, journal_, progress, tell_,
@@ -69,9 +67,14 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
   size_ = engine_->size();
   lattice_ = engine_->lattice();
   profile_ = live.engine().profile();
-  box_ = boxOf(lattice_, size_);
   seen_volume_ = {first_scene_.volume, size_, lattice_, seen_volume_.statistics, engine_->seen()};
-  window_samples_ = live.engine().windowCapacity();
+  door_.emplace(ServoDoor::Ours{.scene = first_scene_,
+                                .box = boxOf(lattice_, size_),
+                                .way = way_ ? &*way_ : nullptr,
+                                .told_ticks = kOnlookRoom.ticks,
+                                .window_samples = live.engine().windowCapacity(),
+                                .commit = request.commit},
+                tell_);
   noteMemory(monotonicNow_ns());
 }
 
@@ -95,7 +98,7 @@ void ServedVolume::close(const std::string& save) {
   if (std::exchange(closed_, true)) return;
   stop_ = true;
   if (thread_.joinable()) thread_.join();
-  if (greeter_.joinable()) greeter_.join();
+  door_->close();
   refuseWaiting();
   const auto unsaved = std::make_shared<std::string>();  // why the file was not written
   if (engine_) {
@@ -135,13 +138,13 @@ void ServedVolume::close(const std::string& save) {
 
 // What no engine will do any more.
 void ServedVolume::refuseWaiting() {
-  std::vector<Done> waiting;
+  Done filter_done;
   {
     const std::lock_guard lock(mutex_);
-    waiting.swap(isovalue_done_);
-    if (filter_done_) waiting.push_back(std::exchange(filter_done_, {}));
+    filter_done.swap(filter_done_);
   }
-  for (const Done& done : waiting) done(hasEnded());
+  if (filter_done) filter_done(hasEnded());
+  asked_isovalues_.refuse(hasEnded());
   pictures_.giveUp(hasEnded().what());
 }
 
@@ -161,21 +164,20 @@ void ServedVolume::run() {
 // Until the end, or the engine must be made anew.
 void ServedVolume::work() {
   while (!stop_ && !mustBeMadeAnew()) {
-    std::unique_ptr<RemoteServo> next = takeNext();
+    std::unique_ptr<RemoteServo> next = door_->takeNext();
     const bool is_felt = next != nullptr;
     try {
       next ? feel(std::move(next)) : lookAlone();
     } catch (const std::exception& error) {
-      if (mustBeMadeAnew()) {
-        tell_(error.what());
-      } else if (std::exchange(servos_trouble_, error.what()) != error.what()) {
-        tell_(error.what());
-      }
+      mustBeMadeAnew() ? tell_(error.what()) : door_->tellTrouble(error.what());
     }
     if (!is_felt) continue;
     if (servo_) servo_->leave();
-    const std::lock_guard lock(mutex_);
-    has_servo_ = status_.servo = false;
+    {
+      const std::lock_guard lock(mutex_);
+      status_.servo = false;
+    }
+    door_->hasLeft();
   }
 }
 
@@ -210,7 +212,12 @@ void ServedVolume::makeAnew() {
     if (!filter) throw;
     refusal = error;
     next.filter = scene().filter;
-    makeEngine(next);
+    try {
+      makeEngine(next);
+    } catch (...) {
+      done(refusal);  // or nobody would
+      throw;
+    }
   }
   servo_.reset();  // to whose memory the engine before wrote
   giveFreeHeapBack();
@@ -245,57 +252,6 @@ void ServedVolume::makeEngine(const Scene& scene) {
   }
 }
 
-std::unique_ptr<RemoteServo> ServedVolume::takeNext() {
-  const std::lock_guard lock(mutex_);
-  return std::move(next_);
-}
-
-bool ServedVolume::attach(Channel channel, const wire::HelloT& hello) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (std::exchange(has_servo_, true)) return false;
-  }
-  // The one before has ended, or there would still be its servo.
-  try {
-    greeter_ =
-        std::jthread([this, hello, channel = std::move(channel)]() mutable { greet(std::move(channel), hello); });
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    has_servo_ = false;
-    throw;
-  }
-  return true;
-}
-
-// The servo makes its device, which may take seconds.
-void ServedVolume::greet(Channel channel, const wire::HelloT& hello) {
-  nameThisThread("greeter");
-  const std::int64_t process = channel.peer().process;
-  const Vec3 begins_there_W = way_ ? way_->position(0) : Vec3::Zero();  // until an onlooker's pointer leads it
-  try {
-    auto servo = std::make_unique<RemoteServo>(std::move(channel),
-                                               RemoteServo::Request{.scene = first_scene_,
-                                                                    .box = box_,
-                                                                    .way = way_ ? &*way_ : nullptr,
-                                                                    .pointer = way_ ? &begins_there_W : nullptr,
-                                                                    .told_ticks = kOnlookRoom.ticks,
-                                                                    .window_samples = window_samples_,
-                                                                    .commit = commit_,
-                                                                    .hello = &hello,
-                                                                    .patience_ms = kDevicePatience_ms,
-                                                                    .loop_patience_ms = kLoopPatience_ms});
-    const std::lock_guard lock(mutex_);
-    status_.servo_process = process;
-    next_ = std::move(servo);
-  } catch (const std::exception& error) {
-    std::unique_lock lock(mutex_);
-    has_servo_ = false;
-    const bool is_new = std::exchange(servos_trouble_, error.what()) != error.what();
-    lock.unlock();
-    if (is_new) tell_(error.what());
-  }
-}
-
 RigSettings ServedVolume::settingsOf(const Scene& scene) const {
   return rigSettings(scene, wantedIsovalue(scene));
 }
@@ -309,6 +265,7 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   {
     const std::lock_guard lock(mutex_);
     status_.servo = true;
+    status_.servo_process = door_->process();
     ++status_.servos;
   }
   LoopParameters loop = loopParameters(scene());
@@ -343,10 +300,7 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
     ~Lent() { served.lendRig(nullptr); }
   } const lent{*this};
   lendRig(&rig);
-  {
-    const std::lock_guard lock(mutex_);
-    servos_trouble_.clear();
-  }
+  door_->noTrouble();
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live.name()));
   const auto goes_on = [&] {
     if (stop_ || is_broken.load(std::memory_order_relaxed)) return false;
@@ -375,23 +329,23 @@ void ServedVolume::lendRig(TouchRig* rig) {
 }
 
 void ServedVolume::heedRig(TouchRig& rig) {
+  const double isovalue = rig.settings().parameters.isovalue;  // first: it is this one that has settled
   if (const std::optional<Error> refusal = rig.takeRefusal()) {
-    endIsovalue(refusal, rig.settings().parameters.isovalue);
+    const std::lock_guard order(changers_);
+    endIsovalue(*refusal, rig.settings().parameters.isovalue);
   } else if (rig.isSettled()) {
-    endIsovalue({}, 0);
+    asked_isovalues_.reached(isovalue);
   }
 }
 
-// Whoever asked for an isovalue is told. One that the engine refused is not asked for again.
-void ServedVolume::endIsovalue(const std::optional<Error>& refusal, double in_use) {
-  std::vector<Done> done;
+// One that the engine refused is not asked for again. `in_use`: what the contact is of, or will be. No change comes in
+// between.
+void ServedVolume::endIsovalue(const Error& refusal, double in_use) {
   {
     const std::lock_guard lock(mutex_);
-    if (refusal) scene_.isovalue = in_use;
-    done.swap(isovalue_done_);
+    scene_.isovalue = in_use;
   }
-  if (refusal && done.empty()) tell_(refusal->what());
-  for (const Done& one : done) one(refusal);
+  if (!asked_isovalues_.refuse(refusal, in_use)) tell_(refusal.what());
 }
 
 double ServedVolume::wantedIsovalue(const Scene& scene) const {
@@ -402,17 +356,19 @@ double ServedVolume::wantedIsovalue(const Scene& scene) const {
 void ServedVolume::takeIsovalueAlone() {
   Engine& engine = engine_->live().engine();
   const double wanted = wantedIsovalue(scene());
-  if (wanted == engine.isovalue()) return endIsovalue({}, 0);
+  if (wanted == engine.isovalue()) return asked_isovalues_.reached(wanted);
   const double before = engine.isovalue();
   try {
     engine.beginIsovalue(wanted);
     while (!engine.gatherIsovalue(kMostBricks, monotonicNow_ns()))
       looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);  // it lives
     engine.endIsovalue(wanted);
-    endIsovalue({}, 0);
+    asked_isovalues_.reached(wanted);
   } catch (const Error& error) {
     if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
-    endIsovalue(error, before);
+    const std::lock_guard order(changers_);
+    const double newest = wantedIsovalue(scene());
+    endIsovalue(error, newest == wanted ? before : newest);
   }
 }
 
@@ -474,7 +430,7 @@ ServedStatus ServedVolume::status() const {
   status.redoable = counts.undone;
   status.unsaved = live.isUnsaved();
   if (const JournalWriter* const journal = live.session().journal()) {
-    status.waiting_for_disk = unwritten_.load(std::memory_order_relaxed);
+    status.waiting_for_disk = answers_.waiting();
     status.journal_bytes = journal->bytes();
     if (journal->failed()) status.journal_failure = journal->failure();
   }
@@ -486,27 +442,12 @@ ServedVolume::Done ServedVolume::onDisk(Done done) {
   return [this, done = std::move(done)](const std::optional<Error>& refusal) {
     const JournalWriter* const journal = engine_->live().session().journal();
     if (refusal || journal == nullptr) return done(refusal);
-    written_.push_back({journal->appended(), done});
-    unwritten_.store(written_.size(), std::memory_order_relaxed);
+    answers_.add(*journal, done);
   };
 }
 
 void ServedVolume::settle() {
-  const JournalWriter* const journal = engine_->live().session().journal();
-  if (journal == nullptr) return;
-  const bool failed = journal->failed();
-  for (; !written_.empty(); written_.pop_front()) {
-    if (written_.front().record <= journal->acknowledged()) {
-      written_.front().done({});
-    } else if (failed) {
-      written_.front().done(Error(Error::Code::kIo, "the journal",
-                                  "the edit was made, but it is not on the disk: " + journal->failure(),
-                                  "save the volume with 'palpate ctl save'"));
-    } else {
-      break;
-    }
-  }
-  unwritten_.store(written_.size(), std::memory_order_relaxed);
+  if (const JournalWriter* const journal = engine_->live().session().journal()) answers_.settle(*journal);
 }
 
 std::shared_ptr<Onlooker> ServedVolume::lookOn() {
@@ -643,9 +584,9 @@ void ServedVolume::change(const Scene& wanted, Done done) {
     const std::string filter = scene_.filter;
     scene_ = wanted;
     scene_.filter = filter;
-    if (goes_elsewhere) isovalue_done_.push_back(std::move(done));
   }
-  if (!goes_elsewhere) done({});
+  if (goes_elsewhere) return asked_isovalues_.add(wantedIsovalue(wanted), std::move(done));
+  done({});
 }
 
 }  // namespace palpate

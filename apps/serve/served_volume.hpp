@@ -14,7 +14,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <exception>
 #include <filesystem>
 #include <functional>
@@ -23,16 +22,20 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "apps/onlook/onlook_messages.hpp"
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
+#include "apps/serve/asked_isovalues.hpp"
+#include "apps/serve/disk_answers.hpp"
 #include "apps/serve/lost_engines.hpp"
 #include "apps/serve/onlookers.hpp"
 #include "apps/serve/picture_queue.hpp"
 #include "apps/serve/served_engine.hpp"
 #include "apps/serve/served_status.hpp"
+#include "apps/serve/servo_door.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "service/channel/channel.hpp"
 
@@ -63,7 +66,9 @@ class ServedVolume {
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
 
   // A servo that has connected, and said this. False: one is there already.
-  [[nodiscard]] bool attach(Channel channel, const wire::HelloT& hello);
+  [[nodiscard]] bool attach(Channel channel, const wire::HelloT& hello) {
+    return door_->letIn(std::move(channel), hello);
+  }
 
   // Each `done` is called once, by any thread, with what became of it.
   using Done = std::function<void(const std::optional<Error>& refusal)>;
@@ -101,10 +106,6 @@ class ServedVolume {
   [[nodiscard]] bool keepsJournal() const noexcept { return !journal_.empty(); }
 
  private:
-  struct Written {  // an edit that was made, and its record's number in the journal
-    std::uint64_t record = 0;
-    Done done;
-  };
   void run();
   void work();
   void feel(std::unique_ptr<RemoteServo> servo);
@@ -120,16 +121,13 @@ class ServedVolume {
   void lendRig(TouchRig* rig);
   void heedRig(TouchRig& rig);
   void takeIsovalueAlone();
-  void endIsovalue(const std::optional<Error>& refusal, double in_use);
+  void endIsovalue(const Error& refusal, double in_use);
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
-  [[nodiscard]] std::unique_ptr<RemoteServo> takeNext();
-  void greet(Channel channel, const wire::HelloT& hello);
   [[nodiscard]] RigEdits& edits() noexcept { return engine_->live().edits(); }
   void refuseWaiting();
   [[nodiscard]] Done onDisk(Done done);
   [[nodiscard]] RigSettings settingsOf(const Scene& scene) const;
 
-  const std::string commit_;
   const Tell tell_;
   const std::filesystem::path journal_;
   const Scene first_scene_;  // whose device servos make
@@ -138,21 +136,17 @@ class ServedVolume {
   Vec3i size_;
   Lattice lattice_;
   BrushProfile profile_;
-  VolumeBox box_;
   std::optional<SampledPath> way_;  // of a device that nobody holds
-  std::size_t window_samples_ = 0;
-  SeenVolume seen_volume_;  // for whoever looks on
+  SeenVolume seen_volume_;          // for whoever looks on
   // Engine's thread:
   std::unique_ptr<RemoteServo> servo_;  // the last one, whose memory the engine may still write to
   std::unique_ptr<ServedEngine> engine_;
-  std::deque<Written> written_;
-  std::string servos_trouble_;  // why the last servo did not come to be; told once
+  DiskAnswers answers_;
   LostEngines lost_;
   PictureQueue pictures_;
   Onlookers onlookers_;
   std::vector<TickRecord> told_;  // to them; kept for its memory
   std::int64_t memory_at_ns_ = 0;
-  std::atomic<std::uint64_t> unwritten_{0};  // length of written_
 
   mutable std::mutex engines_;  // guards the next, and what of engine_ depends on its filters
   bool is_ready_ = true;        // false: the engine is being made anew
@@ -163,21 +157,20 @@ class ServedVolume {
   std::mutex holding_;              // guards the next
   std::weak_ptr<Onlooker> holder_;  // whose brush the tool holds
 
+  AskedIsovalues asked_isovalues_;
+
   mutable std::mutex mutex_;  // guards what follows
   Scene scene_;
   std::optional<std::string> wanted_filter_;
   Done filter_done_;
-  std::vector<Done> isovalue_done_;
-  std::unique_ptr<RemoteServo> next_;
-  bool has_servo_ = false;
   ServedStatus status_;
 
   std::atomic<bool> stop_{false}, failed_{false};
   std::atomic<std::int64_t> looked_at_ns_{0};  // far in the future: the engine is being made
   std::exception_ptr failure_;
   bool closed_ = false;
-  std::jthread greeter_;  // waits for a servo that makes its device
-  std::jthread thread_;   // last members: they use the others
+  std::optional<ServoDoor> door_;
+  std::jthread thread_;  // last members: they use the others
 };
 
 }  // namespace palpate

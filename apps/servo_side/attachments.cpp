@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "base/error.hpp"
+#include "base/other_version.hpp"
 
 namespace palpate {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kMost = std::uint64_t{1} << 34U;
 
 std::size_t counted(std::uint64_t count) {
-  if (count > kMost) refuse("attachment", "it is too long", "start programs of the same version of Palpate");
+  if (count > kMost) refuseOtherVersion("attachment", "it is too long");
   return static_cast<std::size_t>(count);
 }
 

@@ -11,6 +11,7 @@
 #include "apps/servo_side/attachments.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
+#include "base/other_version.hpp"
 #include "base/thread_names.hpp"
 #include "servo/meshes/mesh_object.hpp"
 
@@ -19,6 +20,7 @@ namespace {
 
 constexpr int kStopLook_ms = 50;  // how long a request to stop may go unseen
 constexpr int kTickLook_ms = 4;   // between two looks at ticks that are told
+constexpr int kGive_ms = 50;      // with a servo that does not read: somebody else is served meanwhile
 constexpr int kTick_ms = 60'000;  // between two ticks of the simulated clock, which a debugger may hold up
 
 // What the servo needs of it: not where the volume, its edits and the results lie.
@@ -145,7 +147,13 @@ std::uint64_t RemoteServo::give(ServoChange change, const RigSettings& settings)
   words.force_limit_N = change.force_limit_N.value_or(0);
   words.doubtful = change.doubtful;
   const std::uint64_t number = words.number;
-  channel_.send(std::move(words));
+  const bool is_deaf = is_deaf_.load(std::memory_order_relaxed);
+  try {
+    channel_.send(std::move(words), -1, is_deaf ? 0 : kGive_ms);
+  } catch (const Error&) {
+    is_deaf_.store(true, std::memory_order_relaxed);  // a run that goes on ends with it (listen())
+    throw;
+  }
   given_.store(number);  // one that did not get there is never taken, and so not waited for
   return number;
 }
@@ -181,6 +189,8 @@ void RemoteServo::listen() {
     for (int stopping_ms = 0; running();) {
       std::optional<MessageChannel::Received> received = channel_.receive(look_ms);
       passTicksOn();
+      if (is_deaf_.load(std::memory_order_relaxed))
+        throw Error(Error::Code::kDevice, "the servo", "it does not take what it is told", "end it, and start again");
       if (!received) {
         // One that hangs is not waited for without an end.
         stopping_ms += stop_.load() ? look_ms : 0;
@@ -214,7 +224,7 @@ LoopResult RemoteServo::wait() {
 void RemoteServo::requestStop() noexcept {
   if (stop_.exchange(true)) return;
   try {
-    channel_.send(wire::StopT{});
+    channel_.send(wire::StopT{}, -1, is_deaf_.load(std::memory_order_relaxed) ? 0 : MessageChannel::kPatience_ms);
   } catch (...) {  // it is gone, and does not run
   }
 }
@@ -244,11 +254,9 @@ void RemoteServo::passTicksOn() {
 }
 
 void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {
-  if (ended.records > most_records_)
-    refuse("the servo", "it sends more records than were asked for", "start programs of the same version of Palpate");
+  if (ended.records > most_records_) refuseOtherVersion("the servo", "it sends more records than were asked for");
   if (ended.recording_bytes > most_recording_bytes_) {
-    refuse("the servo", "it sends a longer recording than was asked for",
-           "start programs of the same version of Palpate");
+    refuseOtherVersion("the servo", "it sends a longer recording than was asked for");
   }
   RunRecords records = recordsOf(std::move(attached), ended.records, ended.recording_bytes);
   result_ = {.records = std::move(records.ticks),

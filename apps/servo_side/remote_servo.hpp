@@ -65,6 +65,7 @@ class RemoteServo final : public ServoSide {
   [[nodiscard]] ToolPoseMailbox& tool() noexcept override { return tool_; }
   void makeLoop(const LoopParameters& loop, const RigSettings& settings, const RigVolume& volume,
                 std::unique_ptr<Algorithm> algorithm) override;
+  // Throws Error(kDevice) if the other process is gone, or soon if it does not read: then it is let go, too.
   std::uint64_t give(ServoChange change, const RigSettings& settings) override;
   [[nodiscard]] bool ended(std::uint64_t number) const noexcept override {
     return ended_.load(std::memory_order_acquire) >= number;
@@ -108,6 +109,7 @@ class RemoteServo final : public ServoSide {
   std::vector<TickRecord> taken_;
   std::int64_t last_told_ = -1;
   std::atomic<bool> is_gone_{false};
+  std::atomic<bool> is_deaf_{false};  // it did not take a change; no other is waited for
   std::atomic<std::uint64_t> given_{0};
   std::atomic<std::uint64_t> ended_{0};
   std::uint64_t first_version_ = 1;

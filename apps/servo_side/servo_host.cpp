@@ -18,6 +18,7 @@
 #include "apps/servo_side/attachments.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
+#include "base/other_version.hpp"
 #include "service/memory/link_memory.hpp"
 #include "service/messages/message_channel.hpp"
 #include "servo/devices/pointer_path.hpp"
@@ -147,16 +148,14 @@ class ServoHost::Impl {
   }
 
   [[noreturn]] static void refuseOrder(const wire::BodyUnion& body) {
-    refuse("the engine", "it sent a message " + kindOf(body) + " where none may be",
-           "start programs of the same version of Palpate");
+    refuseOtherVersion("the engine", "it sent a message " + kindOf(body) + " where none may be");
   }
 
   void makeDevice(const wire::MakeDeviceT& make, Descriptor way) {
     const VolumeBox box{.middle_W = vectorOf(make.middle), .half_W = vectorOf(make.half)};
     SampledPath path = make.way_points > 0 ? wayOf(std::move(way), make.way_points, make.way_is_linear)
                                            : SampledPath({0}, {box.middle_W}, SampledPath::Interpolation::kLinear);
-    if (device_ && !stays_)
-      refuse("the engine", "it asks for a second device", "start programs of the same version of Palpate");
+    if (device_ && !stays_) refuseOtherVersion("the engine", "it asks for a second device");
     if (!device_ || !isSame(make, path)) {
       stopLoop();  // another scene: its device begins anew
       recorder_ = nullptr;
@@ -214,15 +213,14 @@ class ServoHost::Impl {
   }
 
   void takeMesh(const wire::MeshT& mesh, Descriptor memory) {
-    if (loop_ && !stays_)
-      refuse("the engine", "it sends a mesh where none may be", "start programs of the same version of Palpate");
+    if (loop_ && !stays_) refuseOtherVersion("the engine", "it sends a mesh where none may be");
     volume_.isosurface =
         std::make_shared<const MeshObject>(meshOf(std::move(memory), mesh.vertices, mesh.triangles), "isosurface");
   }
 
   void makeLoop(const wire::MakeLoopT& make, Descriptor memory) {
     if (!device_ || (loop_ && !stays_) || next_)
-      refuse("the engine", "it asks for a loop where none may be", "start programs of the same version of Palpate");
+      refuseOtherVersion("the engine", "it asks for a loop where none may be");
     volume_.scale = {.contrast = make.contrast, .voxel_m = make.voxel_m};
     volume_.objects = objects_.objects;
     const RigSettings settings = settingsOf(make.settings);
@@ -296,7 +294,7 @@ class ServoHost::Impl {
   }
 
   void start() {
-    if (!loop_) refuse("the engine", "it starts what was not made", "start programs of the same version of Palpate");
+    if (!loop_) refuseOtherVersion("the engine", "it starts what was not made");
     if (scene_.simulated_clock) return tellEnd(runSimulated());
     if (!started_) loop_->start();
     started_ = is_shared_ = true;

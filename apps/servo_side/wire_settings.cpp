@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/other_version.hpp"
 
 namespace palpate {
 namespace {
@@ -23,7 +23,7 @@ std::vector<std::vector<double>> tableOf(const Rows& rows, std::size_t columns, 
   std::vector<std::vector<double>> table;
   for (const auto& row : rows) {
     if (!row || row->values.size() != columns)
-      refuse(name, fmt::format("a row has not {} values", columns), "start programs of the same version of Palpate");
+      refuseOtherVersion(name, fmt::format("a row has not {} values", columns));
     table.push_back(row->values);
   }
   return table;
@@ -31,8 +31,7 @@ std::vector<std::vector<double>> tableOf(const Rows& rows, std::size_t columns, 
 
 TextureKind textureOf(std::uint8_t wire) {
   if (wire > static_cast<std::uint8_t>(TextureKind::kDensity))
-    refuse(fmt::format("texture {}", wire), "this program does not know it",
-           "start programs of the same version of Palpate");
+    refuseOtherVersion(fmt::format("texture {}", wire), "this program does not know it");
   return static_cast<TextureKind>(wire);
 }
 
@@ -67,7 +66,7 @@ std::unique_ptr<wire::SettingsT> wireOf(const RigSettings& settings) {
 }
 
 RigSettings settingsOf(const std::unique_ptr<wire::SettingsT>& wire) {
-  if (!wire) refuse("settings", "a message has none", "start programs of the same version of Palpate");
+  if (!wire) refuseOtherVersion("settings", "a message has none");
   RigSettings settings;
   settings.algorithm = wire->algorithm;
   settings.parameters = {.isovalue = wire->isovalue,
@@ -135,8 +134,8 @@ wire::DeviceMadeT wireOf(const Device& device) {
 DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
   constexpr int kMostDelay_ticks = 1000;
   if (wire.force_delay_ticks < 0 || wire.force_delay_ticks > kMostDelay_ticks) {
-    refuse("the servo's device", formatted("its force is late by {} ticks, which none is", wire.force_delay_ticks),
-           "start programs of the same version of Palpate");
+    refuseOtherVersion("the servo's device",
+                       formatted("its force is late by {} ticks, which none is", wire.force_delay_ticks));
   }
   return {.force_limit_N = wire.force_limit_N,
           .position_resolution_m = wire.position_resolution_m,
@@ -151,16 +150,15 @@ DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
 std::vector<HandParameters> handsOf(const wire::DeviceMadeT& wire) {
   constexpr std::size_t kMostHands = 8;  // for each the loop's stability is computed
   if (wire.hands.size() > kMostHands)
-    refuse("the servo's device", fmt::format("it names {} hands, and may name {}", wire.hands.size(), kMostHands),
-           "start programs of the same version of Palpate");
+    refuseOtherVersion("the servo's device",
+                       fmt::format("it names {} hands, and may name {}", wire.hands.size(), kMostHands));
   std::vector<HandParameters> hands;
   for (const auto& hand : wire.hands) {
     if (!hand) continue;
     for (const double number : {hand->hand_mass_kg, hand->hand_damping_Ns_per_m, hand->hand_stiffness_N_per_m,
                                 hand->device_mass_kg, hand->device_damping_Ns_per_m, hand->device_friction_N}) {
       if (!std::isfinite(number) || number < 0)
-        refuse("the servo's device", fmt::format("a hand of it has {}", number),
-               "start programs of the same version of Palpate");
+        refuseOtherVersion("the servo's device", fmt::format("a hand of it has {}", number));
     }
     hands.push_back({.hand_mass_kg = hand->hand_mass_kg,
                      .hand_damping_Ns_per_m = hand->hand_damping_Ns_per_m,

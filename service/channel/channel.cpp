@@ -6,9 +6,13 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
+#include <thread>
 #include <utility>
 
+#include <fcntl.h>
 #include <poll.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -81,6 +85,23 @@ std::vector<Descriptor> attachedTo(msghdr& message) {
     }
   }
   return all;
+}
+
+// So that of two who find a dead socket there, neither removes what the other has put in its place. A folder needs no
+// file for the lock, which would stay behind.
+Descriptor lockedFolder(const std::string& path, int most_ms) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  Descriptor opened(open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (!opened)
+    refuseSocket(path, Error::Code::kIo, formatted("no socket can be made there ({})", std::strerror(errno)),
+                 "make its folder, or name another place");
+  const auto end = Clock::now() + std::chrono::milliseconds(most_ms);
+  while (flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (Clock::now() >= end)
+      refuseSocket(path, Error::Code::kIo, "somebody keeps its folder locked", "name a place in a folder of your own");
+    std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+  }
+  return opened;
 }
 
 }  // namespace
@@ -175,6 +196,7 @@ std::pair<Channel, Channel> channelPair() {
 // Its rights are the socket's before it gets its name, so at no moment may another user open it.
 Listener::Listener(std::string path, Kind kind) : path_(std::move(path)) {
   const sockaddr_un address = addressOf(path_);
+  const Descriptor locked = lockedFolder(path_, kPatience_ms);
   struct stat facts {};
   if (lstat(path_.c_str(), &facts) == 0) {
     if (!S_ISSOCK(facts.st_mode))
@@ -191,10 +213,17 @@ Listener::Listener(std::string path, Kind kind) : path_(std::move(path)) {
     refuseSocket(path_, Error::Code::kIo, formatted("no socket can be made there ({})", std::strerror(errno)),
                  "make its folder, or name another place");
   socket_ = std::move(socket);
+  place_ = placeNow();
 }
 
 Listener::~Listener() {
-  if (socket_) unlink(path_.c_str());
+  if (socket_ && placeNow() == place_) unlink(path_.c_str());
+}
+
+Listener::Place Listener::placeNow() const noexcept {
+  struct stat facts {};
+  if (lstat(path_.c_str(), &facts) != 0) return {};
+  return {facts.st_dev, facts.st_ino};
 }
 
 Channel Listener::accept() {

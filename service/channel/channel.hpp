@@ -60,13 +60,16 @@ class Channel {
 // A place where others connect: a socket that only this user's processes can open (mode 0600).
 class Listener {
  public:
-  // Takes the place of a socket at which nobody listens any more. Throws Error: kBadInput for a path that is too long
-  // for a socket, or at which something else lies; kIo if somebody listens there, or for the system's reason.
+  // Takes the place of a socket at which nobody listens any more; of several that try at once, one gets it. Throws
+  // Error: kBadInput for a path that is too long for a socket, or at which something else lies; kIo if somebody listens
+  // there, or keeps its folder locked for kPatience_ms, or for the system's reason.
   // `kind`: whole packets for channels, or a stream of bytes for other programs.
   enum class Kind : std::uint8_t { kPackets, kStream };
+  static constexpr int kPatience_ms = 2000;
   explicit Listener(std::string path, Kind kind = Kind::kPackets);
-  ~Listener();  // removes it
-  Listener(Listener&& other) noexcept : path_(std::move(other.path_)), socket_(std::move(other.socket_)) {}
+  ~Listener();  // removes it, unless another lies there by now
+  Listener(Listener&& other) noexcept
+      : path_(std::move(other.path_)), place_(other.place_), socket_(std::move(other.socket_)) {}
 
   // The next connection of this user or root, or a closed channel if none waits. Others are turned away.
   [[nodiscard]] Channel accept();
@@ -74,7 +77,14 @@ class Listener {
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
  private:
+  struct Place {  // of its file
+    std::uint64_t device = 0, number = 0;
+    friend bool operator==(const Place&, const Place&) = default;
+  };
+  [[nodiscard]] Place placeNow() const noexcept;
+
   std::string path_;
+  Place place_;
   Descriptor socket_;
 };
 

@@ -5,23 +5,20 @@
 #include <new>
 #include <utility>
 
-#include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/other_version.hpp"
 
 namespace palpate {
 namespace {
 
 void checkRoom(const LinkMemory::Room& room) {
   if (room.samples < 8 || room.samples > LinkMemory::kMostWindowSamples) {
-    throw Error(
-        Error::Code::kBadInput, "shared memory",
-        formatted("windows of {} samples are none; they have 8 to {}", room.samples, LinkMemory::kMostWindowSamples),
-        "start programs of the same version of Palpate");
+    refuseOtherVersion("shared memory", formatted("windows of {} samples are none; they have 8 to {}", room.samples,
+                                                  LinkMemory::kMostWindowSamples));
   }
   if (room.ticks > LinkMemory::kMostTicks) {
-    throw Error(Error::Code::kBadInput, "shared memory",
-                formatted("there is no room for {} ticks, but for {}", room.ticks, LinkMemory::kMostTicks),
-                "start programs of the same version of Palpate");
+    refuseOtherVersion("shared memory",
+                       formatted("there is no room for {} ticks, but for {}", room.ticks, LinkMemory::kMostTicks));
   }
 }
 
@@ -49,9 +46,8 @@ LinkMemory::LinkMemory(const Room& room) : room_(room), memory_("palpate-link", 
 LinkMemory::LinkMemory(Descriptor given, const Room& room) : room_(room), memory_(std::move(given), bytesFor(room)) {
   const LinkHeader header = block().header, expected = headerFor(room);
   if (std::memcmp(&header, &expected, sizeof header) != 0) {
-    throw Error(Error::Code::kBadInput, "shared memory",
-                formatted("its layout is not number {}, which this program knows", kLinkLayout),
-                "start programs of the same version of Palpate");
+    refuseOtherVersion("shared memory",
+                       formatted("its layout is not number {}, which this program knows", kLinkLayout));
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/other_version.hpp"
 
 namespace palpate {
 namespace {
@@ -37,9 +38,7 @@ SealedMemory::SealedMemory(Descriptor given, std::size_t bytes, Pages pages) : f
   const int seals = fcntl(file_.get(), F_GET_SEALS);  // -1: no memory of this kind
   const bool fixed = seals >= 0 && (seals & kSeals) == kSeals;
   if (!fixed || fstat(file_.get(), &facts) != 0 || static_cast<std::uint64_t>(facts.st_size) != bytes) {
-    throw Error(Error::Code::kBadInput, "shared memory",
-                formatted("it is none of {} bytes whose size is sealed", bytes),
-                "start programs of the same version of Palpate");
+    refuseOtherVersion("shared memory", formatted("it is none of {} bytes whose size is sealed", bytes));
   }
   map(pages);
 }

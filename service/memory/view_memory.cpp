@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/other_version.hpp"
 
 namespace palpate {
 namespace {
@@ -75,9 +76,7 @@ SealedMemory made(const ViewMemory::Room& room) {
 SealedMemory checked(SealedMemory memory, const ViewMemory::Room& room) {
   const ViewHeader header = blockIn(memory).header, expected = headerFor(room);
   if (std::memcmp(&header, &expected, sizeof header) != 0) {
-    throw Error(Error::Code::kBadInput, "a view",
-                formatted("its layout is not number {}, which this program knows", kViewLayout),
-                "start programs of the same version of Palpate");
+    refuseOtherVersion("a view", formatted("its layout is not number {}, which this program knows", kViewLayout));
   }
   return memory;
 }

@@ -5,6 +5,8 @@
 
 #include <flatbuffers/minireflect.h>
 
+#include "base/other_version.hpp"
+
 namespace palpate {
 namespace {
 
@@ -69,13 +71,10 @@ wire::BodyUnion decoded(std::span<const std::byte> bytes, const std::string& fro
   // A buffer without an identifier is too short for the check of one.
   const bool whole = bytes.size() >= 2 * sizeof(flatbuffers::uoffset_t) && wire::VerifyMessageBuffer(verifier) &&
                      isCopiedOnce(data, bytes.size());
-  if (!whole)
-    throw Error(Error::Code::kBadInput, from, "it sent what is no message of Palpate",
-                "start programs of the same version of Palpate");
+  if (!whole) refuseOtherVersion(from, "it sent what is no message of Palpate");
   std::unique_ptr<wire::MessageT> message(wire::GetMessage(data)->UnPack());
   if (message->body.value == nullptr) {
-    throw Error(Error::Code::kBadInput, from, "it sent a message of a kind that this program does not know",
-                "start programs of the same version of Palpate");
+    refuseOtherVersion(from, "it sent a message of a kind that this program does not know");
   }
   return std::move(message->body);
 }

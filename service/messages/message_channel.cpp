@@ -3,11 +3,13 @@
 
 #include <fmt/format.h>
 
+#include "base/other_version.hpp"
+
 namespace palpate {
 
-void MessageChannel::sendBytes(const std::vector<std::byte>& bytes, int attached) {
+void MessageChannel::sendBytes(const std::vector<std::byte>& bytes, int attached, int patience_ms) {
   const std::lock_guard lock(senders_);
-  if (!channel_.send(bytes, kPatience_ms, attached)) refuseGone();
+  if (!channel_.send(bytes, patience_ms, attached)) refuseGone();
 }
 
 std::optional<MessageChannel::Received> MessageChannel::receive(int most_ms) {
@@ -29,8 +31,7 @@ void MessageChannel::refuseSilence() const {
 }
 
 void MessageChannel::refuseKind(const wire::BodyUnion& body) const {
-  throw Error(Error::Code::kBadInput, other_, fmt::format("it sent a message {} where none may be", kindOf(body)),
-              "start programs of the same version of Palpate");
+  refuseOtherVersion(other_, fmt::format("it sent a message {} where none may be", kindOf(body)));
 }
 
 }  // namespace palpate

@@ -19,12 +19,12 @@ class MessageChannel {
   // `other`: who is at the other end, for messages: "the servo".
   MessageChannel(Channel channel, std::string other) : other_(std::move(other)), channel_(std::move(channel)) {}
 
-  // Throws Error(kDevice) if the other side is gone, or does not read for kPatience_ms.
-  template <class Content>
-  void send(Content content, int attached = -1) {
-    sendBytes(encoded(std::move(content)), attached);
-  }
   static constexpr int kPatience_ms = 5000;
+  // Throws Error(kDevice) if the other side is gone, or does not read for so long.
+  template <class Content>
+  void send(Content content, int attached = -1, int patience_ms = kPatience_ms) {
+    sendBytes(encoded(std::move(content)), attached, patience_ms);
+  }
 
   struct Received {
     wire::BodyUnion body;
@@ -49,7 +49,7 @@ class MessageChannel {
   void close() noexcept { channel_.close(); }
 
  private:
-  void sendBytes(const std::vector<std::byte>& bytes, int attached);
+  void sendBytes(const std::vector<std::byte>& bytes, int attached, int patience_ms);
   [[noreturn]] void refuseGone() const;
   [[noreturn]] void refuseSilence() const;
   [[noreturn]] void refuseKind(const wire::BodyUnion& body) const;

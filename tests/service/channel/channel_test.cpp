@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service/channel/channel.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <thread>
+#include <vector>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -221,6 +225,72 @@ TEST_F(Listening, TakesThePlaceOfOneThatDied) {
     EXPECT_TRUE(connectTo(path()).open());  // the refusal took nothing away
   }
   EXPECT_FALSE(std::filesystem::exists(path()));
+}
+
+// A dead socket lies there, and several begin at once: one listens, the others are told so, and whoever connects then
+// reaches it.
+TEST_F(Listening, OfSeveralAtOnceOneGetsIt) {
+  for (int round = 0; round < 200; ++round) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path().c_str(), sizeof address.sun_path - 1);
+    {
+      const Descriptor dead(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0));
+      ASSERT_EQ(bind(dead.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    }
+    constexpr int kStarts = 3;
+    std::vector<std::unique_ptr<Listener>> listeners(kStarts);
+    std::vector<std::string> refusals(kStarts);
+    std::atomic<int> ready = 0;
+    {
+      std::vector<std::jthread> starts;
+      for (std::size_t i = 0; i < kStarts; ++i)
+        starts.emplace_back([&, i] {
+          ++ready;
+          while (ready < kStarts) std::this_thread::yield();
+          try {
+            listeners[i] = std::make_unique<Listener>(path());
+          } catch (const Error& error) {
+            refusals[i] = error.what();
+          }
+        });
+    }
+    int listening = 0;
+    for (std::size_t i = 0; i < kStarts; ++i) {
+      if (!listeners[i]) {
+        EXPECT_THAT(refusals[i], HasSubstr("somebody listens there already"));
+        continue;
+      }
+      ++listening;
+      const Channel client = connectTo(path());
+      EXPECT_TRUE(listeners[i]->accept().open());
+    }
+    ASSERT_EQ(listening, 1);
+  }
+}
+
+// What another has put in its place stays when it goes.
+TEST_F(Listening, RemovesOnlyItsOwnSocket) {
+  auto first = std::make_unique<Listener>(path());
+  std::filesystem::rename(path(), path("moved"));
+  const Listener second(path());
+  Listener moved = std::move(*first);
+  first.reset();
+  EXPECT_TRUE(connectTo(path()).open());
+  { const Listener gone = std::move(moved); }
+  EXPECT_TRUE(connectTo(path()).open());
+}
+
+TEST_F(Listening, IsNotKeptWaitingByALockForEver) {
+  const Descriptor folder(open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  ASSERT_EQ(flock(folder.get(), LOCK_EX), 0);
+  EXPECT_THAT(refusalOf([&] { const Listener none(path()); }, Error::Code::kIo), HasSubstr("keeps its folder locked"));
+  std::jthread unlocks([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    flock(folder.get(), LOCK_UN);
+  });
+  const Listener listener(path());
+  EXPECT_TRUE(connectTo(path()).open());
 }
 
 TEST_F(Listening, LeavesAloneWhatIsNoSocket) {

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// base/other_version.hpp: the refusal of what only a program of another version would say or share. Any thread.
+#pragma once
+
+#include <string>
+
+namespace palpate {
+
+// Throws Error(kBadInput), with the remedy to start programs of one version.
+[[noreturn]] void refuseOtherVersion(const std::string& input, const std::string& reason);
+
+}  // namespace palpate
