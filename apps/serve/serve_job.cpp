@@ -16,6 +16,7 @@
 #include "apps/console/message.hpp"
 #include "apps/serve/client_desk.hpp"
 #include "apps/serve/flat_heap.hpp"
+#include "apps/serve/kept_settings.hpp"
 #include "apps/serve/live_setting.hpp"
 #include "apps/serve/metrics_door.hpp"
 #include "apps/serve/served_volume.hpp"
@@ -90,6 +91,12 @@ std::filesystem::path journalOf(const ServeRequest& request) {
   return folder;
 }
 
+// Beside the journal's folder, whose lock keeps others from it.
+std::filesystem::path settingsFileOf(std::filesystem::path journal) {
+  if (!journal.empty()) journal += ".settings.json";
+  return journal;
+}
+
 std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolume& served, const ClientDesk& desk) {
   if (scene.service_metrics_socket.empty()) return nullptr;
   makeSocketFolder(scene.service_metrics_socket);
@@ -129,8 +136,10 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   const std::string socket = socketOf(request.scene);
   makeSocketFolder(socket);
   Listener listener(socket);  // first: whoever has the socket has the journal
-  ServedVolume served({.scene = request.scene, .journal = journalOf(request), .commit = request.commit}, progress,
-                      tell);
+  const std::filesystem::path journal = journalOf(request);
+  KeptSettings settings(settingsFileOf(journal), request.scene, tell);
+  ServedVolume served({.scene = settings.scene(), .journal = journal, .commit = request.commit}, progress, tell);
+  settings.begin(served.scene());
   ClientDesk desk(std::move(listener), served, tell);
   const ClosedFirst closed{served};  // what it still has to answer goes to the desk
   for (const int number : {SIGTERM, SIGINT}) static_cast<void>(std::signal(number, askToStop));
@@ -144,6 +153,7 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   Watchdog watchdog(notify);
   while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
     watchdog.look(served);
+    settings.look(served.scene(), monotonicNow_ns());
     if (reload_asked == 0) continue;
     reload_asked = 0;
     static_cast<void>(notify.reloading());
@@ -164,6 +174,7 @@ void serveScene(const ServeRequest& request, Progress& progress) {
     const Flushed flushed{desk};
     served.close(request.scene.save);
   }
+  settings.forget();
   tell("ended");
 }
 

@@ -76,14 +76,18 @@ std::string dampingWarning(const SampledLoop& loop, const Wall& wall, const Devi
       wall.damping_Ns_per_m, conditionWords(loop), twoDigits(most, std::floor), other(loop, wall, device));
 }
 
+// In the linear loop, in one of the hands.
+bool shakes(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  const Wall wall = stiffestWall(settings);
+  return !std::ranges::all_of(
+      device.hands(), [&](const HandParameters& hand) { return isStable(sampledLoop(loop, device, hand), wall); });
+}
+
 }  // namespace
 
 bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
-  const std::vector<HandParameters> hands = device.hands();
-  if (hands.empty() || !algorithmEntry(settings.algorithm).traits.shows_surface) return true;
-  const Wall wall = stiffestWall(settings);
-  return !std::ranges::all_of(
-      hands, [&](const HandParameters& hand) { return isStable(sampledLoop(loop, device, hand), wall); });
+  if (device.hands().empty() || !algorithmEntry(settings.algorithm).traits.shows_surface) return true;
+  return device.limits().force_delay_ticks > kLongDelay_ticks || shakes(settings, loop, device);
 }
 
 double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
@@ -119,8 +123,8 @@ double usualDamping(const RigSettings& settings, const LoopParameters& loop, con
 }
 
 std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
-  if (device.hands().empty() || loop.passivity.control || !mayShake(settings, loop, device)) return {};
-  if (!algorithmEntry(settings.algorithm).traits.shows_surface) return {};
+  if (device.hands().empty() || loop.passivity.control) return {};
+  if (!algorithmEntry(settings.algorithm).traits.shows_surface || !shakes(settings, loop, device)) return {};
   const Wall wall = stiffestWall(settings);
   const SampledLoop worst = worstLoop(loop, device, wall.damping_Ns_per_m);
   const double bound = stiffnessBound(worst, wall.damping_Ns_per_m);

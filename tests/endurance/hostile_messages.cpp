@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/servo_side/wire_settings.hpp"
 #include "service/memory/link_memory.hpp"
 #include "service/messages/message.hpp"
 
@@ -182,10 +183,32 @@ std::vector<std::byte> HostileMessages::refusedView() {
   return encoded(std::move(ask));
 }
 
+// What a window asks for with its sliders, with one that cannot be.
+std::vector<std::byte> HostileMessages::refusedSettings() {
+  wire::AskT ask;
+  ask.verb = wire::Verb::Change;
+  ask.settings = wireOf(RigSettings{});
+  wire::SettingsT& settings = *ask.settings;
+  const double bad[] = {-1, -1e300, std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()};
+  double* const numbers[] = {&settings.stiffness_N_per_m, &settings.damping_Ns_per_m, &settings.force_limit_N,
+                             &settings.friction_static, &settings.friction_dynamic};
+  switch (below(3)) {
+    case 0:
+      *numbers[below(std::size(numbers))] = bad[below(std::size(bad))];
+      break;
+    case 1:
+      settings.algorithm = "melt" + word();
+      break;
+    default:
+      settings.isovalue = std::numeric_limits<double>::quiet_NaN();
+  }
+  return encoded(std::move(ask));
+}
+
 // Each verb with words of which at least one cannot be.
 std::vector<std::byte> HostileMessages::refusedQuestion() {
   const std::uint64_t number = below(4) == 0 ? std::numeric_limits<std::uint64_t>::max() : below(1000);
-  switch (below(14)) {
+  switch (below(15)) {
     case 0:
       return ask(wire::Verb::Get, {"no." + word(), word()}, number);
     case 1:
@@ -212,6 +235,8 @@ std::vector<std::byte> HostileMessages::refusedQuestion() {
       return ask(wire::Verb::Change, {word()}, number);  // without settings
     case 12:
       return refusedView();
+    case 13:
+      return refusedSettings();
     default:
       return ask(static_cast<wire::Verb>(20 + below(230)), {word(), word()}, number);
   }

@@ -25,6 +25,7 @@ class HostileMessages {
  private:
   [[nodiscard]] std::vector<std::byte> refusedQuestion();
   [[nodiscard]] std::vector<std::byte> refusedView();
+  [[nodiscard]] std::vector<std::byte> refusedSettings();
   [[nodiscard]] std::vector<std::byte> changedMessage();
   [[nodiscard]] std::vector<std::byte> noise();
   [[nodiscard]] std::string word();

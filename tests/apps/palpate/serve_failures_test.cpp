@@ -67,6 +67,40 @@ TEST_F(ServeFailures, AKilledEngineComesBackWithItsEdits) {
   EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("the force fades"));
 }
 
+// Killed, too: what was set is set again, but for what the user has changed in the scene. A stop in good order forgets.
+TEST_F(ServeFailures, WhatWasSetOutlivesAKill) {
+  const auto gets = [this](const std::string& key) { return ctl({"get", key}).out; };
+  serve({kServedSphere, "--force-limit", "2"});
+  ASSERT_TRUE(awaitService());
+  const std::string isovalue = gets("isovalue");
+  expectSuccess(ctl({"set", "servo.stiffness_N_per_m", "432"}));
+  expectSuccess(ctl({"set", "safety.force_limit_N", "1"}));
+  expectSuccess(ctl({"filter", "gaussian:1"}));
+  const auto are_kept = [this] {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder()))
+      if (entry.path().string().ends_with(".settings.json") &&
+          contentsOf(entry.path()).find("gaussian:1") != std::string::npos)
+        return true;
+    return false;
+  };
+  for (int look = 0; look < 200 && !are_kept(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  engine.end(SIGKILL);
+  serve({kServedSphere, "--force-limit", "2.5"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(gets("servo.stiffness_N_per_m"), "servo.stiffness_N_per_m = 432\n");
+  EXPECT_EQ(gets("safety.force_limit_N"), "safety.force_limit_N = 2.5\n");
+  EXPECT_EQ(gets("filter"), "filter = gaussian:1\n");
+  EXPECT_EQ(gets("isovalue"), isovalue);
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("settings from before are taken again: "));
+  expectSuccess(ctl({"stop"}));
+  for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_FALSE(are_kept());
+  serve({kServedSphere, "--force-limit", "2"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(gets("filter"), "filter = \n");
+}
+
 // The servo is killed: the engine goes on, a new servo joins. A second one is turned away.
 TEST_F(ServeFailures, ServosComeAndGo) {
   serve({kServedSphere});

@@ -122,6 +122,24 @@ TEST(ContactBounds, SayNothingWhereNothingIsKnownOrTheControllerActs) {
 }
 
 // An adaptive window may be a single tick: no low-pass.
+// It is computed up to a delay, and beyond only where a warning needs it.
+TEST(ContactBounds, ALongDelayMayShakeAndWarnsOnlyIfItDoes) {
+  const HandParameters hand = kTypicalHands[0].holding({.device_mass_kg = 0.05, .device_damping_Ns_per_m = 2});
+  RigSettings settings;
+  settings.parameters.stiffness_N_per_m = 1;
+  settings.parameters.damping_Ns_per_m = 0;
+  const LoopParameters loop;
+  for (const int delay_ticks : {kLongDelay_ticks, kLongDelay_ticks + 1}) {
+    const SimulatedDevice device = deviceIn(hand, delay_ticks, loop.rate_hz);
+    EXPECT_EQ(mayShake(settings, loop, device), delay_ticks > kLongDelay_ticks);
+    EXPECT_THAT(boundWarnings(settings, loop, device), testing::IsEmpty());
+    RigSettings stiff = settings;
+    stiff.parameters.stiffness_N_per_m = 5000;
+    EXPECT_TRUE(mayShake(stiff, loop, device));
+    EXPECT_THAT(boundWarnings(stiff, loop, device), testing::SizeIs(1));
+  }
+}
+
 TEST(ContactBounds, AnAdaptiveVelocityCountsAsItsShortestWindow) {
   LoopParameters foaw;
   foaw.velocity.name = "foaw";

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/kept_settings.hpp"
+
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/scene/option_table.hpp"
+#include "apps/serve/live_setting.hpp"
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/whole_file.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::uint64_t kMostBytes = std::uint64_t{4} << 20U;
+constexpr const char* kFilter = "filter";  // may change, too, but with a new engine
+
+// Of the keys that may be kept.
+std::vector<std::string> keys() {
+  std::vector<std::string> all = liveKeys();
+  all.emplace_back(kFilter);
+  return all;
+}
+
+std::string textOf(const Scene& scene, const std::string& key) {
+  return optionText(optionOfKey(key)->value, scene);
+}
+
+void setIn(Scene& scene, const std::string& key, const std::string& text) {
+  if (key == kFilter && text.empty()) {
+    scene.filter.clear();
+  } else {
+    const SceneOption& option = *optionOfKey(key);
+    setOption(option.value, text, key, scene, option.unit);
+  }
+}
+
+}  // namespace
+
+KeptSettings::KeptSettings(std::filesystem::path file, const Scene& scene, Tell tell)
+    : file_(std::move(file)), tell_(std::move(tell)), scene_(scene), begun_(scene), writer_("settings") {
+  std::error_code ignored;
+  if (file_.empty() || !std::filesystem::exists(file_, ignored)) return;
+  try {
+    take(wholeFile(file_, "the settings", kMostBytes));
+  } catch (const std::exception& error) {
+    kept_.clear();
+    begun_ = scene_;
+    tell_(fmt::format("settings from before are not taken: {}", error.what()));
+  }
+}
+
+void KeptSettings::take(const std::string& text) {
+  const nlohmann::json all = nlohmann::json::parse(text);
+  std::vector<std::string> taken, overtaken;
+  for (const std::string& key : keys()) {
+    if (!all.contains(key)) continue;
+    const Setting one{all.at(key).at("scene").get<std::string>(), all.at(key).at("set").get<std::string>()};
+    if (one.in_scene != textOf(scene_, key)) {
+      overtaken.push_back(key);
+      continue;
+    }
+    setIn(begun_, key, one.set);
+    kept_[key] = one;
+    taken.push_back(fmt::format("{} = {}", key, one.set));
+  }
+  if (!taken.empty()) tell_(fmt::format("settings from before are taken again: {}", fmt::join(taken, ", ")));
+  if (!overtaken.empty())
+    tell_(fmt::format("settings from before are not taken, as the scene has changed: {}", fmt::join(overtaken, ", ")));
+}
+
+void KeptSettings::begin(const Scene& served) {
+  served_first_ = served;
+}
+
+KeptSettings::Settings KeptSettings::changed(const Scene& served) const {
+  Settings settings;
+  for (const std::string& key : keys()) {
+    const std::string now = textOf(served, key), in_scene = textOf(scene_, key);
+    const bool is_told = now != textOf(served_first_, key) || textOf(begun_, key) != in_scene;
+    const bool can_be_said = !now.empty() || key == kFilter;
+    if (is_told && can_be_said && now != in_scene) settings[key] = {in_scene, now};
+  }
+  return settings;
+}
+
+void KeptSettings::look(const Scene& served, std::int64_t now_ns) {
+  if (file_.empty() || now_ns - looked_at_ns_ < kEvery_ns) return;
+  looked_at_ns_ = now_ns;
+  Settings settings = changed(served);
+  if (settings == kept_ || !writer_.idle()) return;
+  kept_ = std::move(settings);
+  writer_.add([this, settings = kept_] { write(settings); });
+}
+
+void KeptSettings::write(const Settings& settings) {
+  nlohmann::json all = nlohmann::json::object();
+  for (const auto& [key, one] : settings) all[key] = {{"scene", one.in_scene}, {"set", one.set}};
+  try {
+    writeFileAtomically(file_, all.dump(2) + "\n");
+  } catch (const std::exception& error) {
+    if (!std::exchange(was_told_, true)) tell_(fmt::format("what is set would not outlive a crash: {}", error.what()));
+  }
+}
+
+void KeptSettings::forget() {
+  writer_.finish();
+  std::error_code ignored;
+  if (!file_.empty()) std::filesystem::remove(file_, ignored);
+}
+
+}  // namespace palpate

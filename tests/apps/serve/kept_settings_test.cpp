@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/serve/kept_settings.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/serve/live_setting.hpp"
+#include "tests/apps/report/temporary_folder.hpp"
+#include "tests/servo/support/seeded.hpp"
+
+namespace palpate {
+namespace kept_settings_test {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class Kept : public testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path file() const { return folder_.path() / "settings.json"; }
+  // A service that begins with `scene`, in which it chooses the isovalue, is told something, and is killed.
+  template <typename Told>
+  void runs(const Scene& scene, const Told& told, bool ends = false) {
+    KeptSettings settings(file(), scene, [this](const std::string& words) { said_.push_back(words); });
+    Scene served = settings.scene();
+    if (!served.isovalue) served.isovalue = 226;
+    settings.begin(served);
+    settings.look(served, 1'000'000'000);
+    told(served);
+    settings.look(served, 2'000'000'000);
+    if (ends) settings.forget();
+  }
+  // What the next one begins with.
+  [[nodiscard]] Scene next(const Scene& scene) {
+    said_.clear();
+    return KeptSettings(file(), scene, [this](const std::string& words) { said_.push_back(words); }).scene();
+  }
+  const TemporaryFolder folder_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(Kept, WhatWasToldComesBackAfterACrash) {
+  const Scene scene;
+  runs(scene, [](Scene& served) {
+    served.stiffness_N_per_m = 432.1;
+    served.isovalue = 300.25;
+    served.filter = "gaussian:0.8mm";
+  });
+  const Scene again = next(scene);
+  EXPECT_EQ(again.stiffness_N_per_m, 432.1);
+  EXPECT_EQ(again.isovalue, 300.25);
+  EXPECT_EQ(again.filter, "gaussian:0.8mm");
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("servo.stiffness_N_per_m = 432.1")));
+  runs(scene, [](Scene&) {});  // it is killed again
+  EXPECT_EQ(next(scene).stiffness_N_per_m, 432.1);
+  runs(scene, [](Scene& served) { served.filter.clear(); });
+  const Scene third = next(scene);
+  EXPECT_EQ(third.filter, "");
+  EXPECT_EQ(third.isovalue, 300.25);
+}
+
+TEST_F(Kept, WhatTheServiceChoseIsNotKept) {
+  runs(Scene{}, [](Scene&) {});
+  EXPECT_FALSE(std::filesystem::exists(file()));
+  EXPECT_FALSE(next(Scene{}).isovalue);
+}
+
+// Also a filter that the scene has, and a value that is set back.
+TEST_F(Kept, TheScenesOwnValuesAreNotKept) {
+  Scene scene;
+  scene.filter = "gaussian:0.8mm";
+  scene.force_limit_N = 2;
+  runs(scene, [](Scene& served) {
+    served.filter.clear();
+    served.force_limit_N = 1;
+  });
+  EXPECT_EQ(next(scene).filter, "");
+  EXPECT_EQ(next(scene).force_limit_N, 1);
+  runs(scene, [](Scene& served) { served.force_limit_N = 2; });
+  EXPECT_EQ(next(scene).force_limit_N, 2);
+  EXPECT_EQ(next(scene).filter, "");
+  EXPECT_THAT(said_, ElementsAre(testing::Not(HasSubstr("force_limit"))));
+}
+
+TEST_F(Kept, ASceneThatWasChangedMeanwhileIsTheLaterWord) {
+  Scene scene;
+  runs(scene, [](Scene& served) {
+    served.force_limit_N = 1;
+    served.damping_Ns_per_m = 0.25;
+  });
+  scene.force_limit_N = 2;
+  const Scene again = next(scene);
+  EXPECT_EQ(again.force_limit_N, 2);
+  EXPECT_EQ(again.damping_Ns_per_m, 0.25);
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("damping"), HasSubstr("the scene has changed: safety.force_limit_N")));
+}
+
+TEST_F(Kept, AnEndInGoodOrderForgets) {
+  runs(
+      Scene{}, [](Scene& served) { served.force_limit_N = 1; }, true);
+  EXPECT_FALSE(std::filesystem::exists(file()));
+  EXPECT_EQ(next(Scene{}).force_limit_N, Scene{}.force_limit_N);
+}
+
+TEST_F(Kept, ADamagedFileIsToldAndIgnored) {
+  runs(Scene{}, [](Scene& served) {
+    served.force_limit_N = 1;
+    served.damping_Ns_per_m = 0.25;
+  });
+  std::ifstream in(file());
+  const std::string whole((std::istreambuf_iterator<char>(in)), {});
+  Seeded random(3);
+  int ignored = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string text = whole;
+    const auto at = static_cast<std::size_t>(random.pick(static_cast<int>(text.size())));
+    if (i % 2 == 0) {
+      text.resize(at);
+    } else {
+      text[at] = static_cast<char>(random.pick(256));
+    }
+    std::ofstream(file()) << text;
+    const Scene scene = next(Scene{});  // throws nothing
+    checkLiveSettings(Scene{}, scene);
+    ignored += !said_.empty() && said_[0].find("are not taken") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GT(ignored, 150);
+  for (const char* text :
+       {"[]", "7", "{\"safety.force_limit_N\": {\"scene\": 3, \"set\": 1}}", "", "{\"servo.n\": {}}"}) {
+    std::ofstream(file()) << text;
+    EXPECT_EQ(settingsText(next(Scene{}), {}), settingsText(Scene{}, {})) << text;
+  }
+}
+
+// An unknown key is no matter, and one that may not change is not taken.
+TEST_F(Kept, OnlyWhatMayChangeIsTaken) {
+  std::ofstream(file())
+      << R"({"safety.release_s": {"scene": "1", "set": "9"}, "volume": {"scene": "", "set": "other"}})";
+  EXPECT_EQ(settingsText(next(Scene{}), {}), settingsText(Scene{}, {}));
+  EXPECT_THAT(said_, IsEmpty());
+}
+
+TEST_F(Kept, AFolderThatIsNotThereIsToldOnce) {
+  KeptSettings settings(folder_.path() / "none" / "settings.json", Scene{},
+                        [this](const std::string& words) { said_.push_back(words); });
+  Scene served;
+  settings.begin(served);
+  for (int i = 1; i < 4; ++i) {
+    served.force_limit_N = 0.1 * i;
+    settings.look(served, i * 1'000'000'000LL);
+    settings.look(served, i * 1'000'000'000LL + KeptSettings::kEvery_ns - 1);
+  }
+  settings.forget();
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("would not outlive a crash")));
+}
+
+TEST_F(Kept, WithoutAFileNothingIsKept) {
+  KeptSettings settings({}, Scene{}, [](const std::string& words) { ADD_FAILURE() << words; });
+  Scene served;
+  settings.begin(served);
+  served.force_limit_N = 1;
+  settings.look(served, 1'000'000'000);
+  settings.forget();
+}
+
+}  // namespace kept_settings_test
+}  // namespace palpate
