@@ -231,7 +231,7 @@ void RigEdits::tell(const std::string& text, Again again) {
   const auto known =
       std::find_if(troubles_.begin(), troubles_.end(), [&](const Trouble& t) { return t.reason == reason; });
   if (known == troubles_.end()) {
-    troubles_.push_back({std::move(reason), text});
+    if (troubles_.size() < kMostTroubles) troubles_.push_back({std::move(reason), text});
   } else {
     ++known->count;
     if (again == Again::kCountOnly) return;

@@ -57,6 +57,7 @@ class RigEdits {
   static constexpr double kStrokePause_s = 0.5;  // [s]
   bool errand(BackgroundSaver::Errand errand);   // EditSession::ask()
   static constexpr std::size_t kMostWaiting = 256;
+  static constexpr std::size_t kMostTroubles = 100;  // that are kept; a service may go on for days
 
   // The state after the last look. Any thread.
   struct Counts {
@@ -90,7 +91,7 @@ class RigEdits {
   void listen();
   // Tells the user `text`, like a failure.
   void tell(const std::string& text) { tell(text, Again::kTell); }
-  // All failures so far, with counts.
+  // The first kMostTroubles kinds of failures, with counts.
   [[nodiscard]] std::vector<std::string> troubles() const;
 
  private:

@@ -155,7 +155,7 @@ RunEdits runEdits(EditFigures figures, std::uint64_t refused) {
                  figures.journal_bytes, figures.journal_failure};
   for (const double seconds : figures.edit_to_window_s) edits.edit_to_window_ms.push_back(seconds * 1e3);
   edits.refused = refused;
-  edits.saves = figures.saves.seconds.size();
+  edits.saves = figures.saves.saves;
   edits.save_failures = figures.saves.failures;
   edits.save_bytes = figures.saves.bytes;
   edits.save_version = figures.saves.version;

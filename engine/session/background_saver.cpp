@@ -151,7 +151,8 @@ void BackgroundSaver::save(std::uint64_t version) {
   const double seconds = watch.seconds();
   const std::lock_guard lock(mutex_);
   figures_.failure.clear();
-  figures_.seconds.push_back(seconds);
+  ++figures_.saves;
+  save_s_.add(seconds);
   figures_.bytes = bytes;
   figures_.version = version;
   saved_version_.store(version, std::memory_order_release);
@@ -180,7 +181,9 @@ void BackgroundSaver::report(std::string text, std::string failure) {
 
 SaveFigures BackgroundSaver::figures() const {
   const std::lock_guard lock(mutex_);
-  return figures_;
+  SaveFigures figures = figures_;
+  figures.seconds = save_s_.inOrder();
+  return figures;
 }
 
 std::vector<std::string> BackgroundSaver::takeFailures() {

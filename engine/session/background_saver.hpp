@@ -27,6 +27,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/newest_values.hpp"
 #include "engine/bricks/brick_grid.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/service/brick_content.hpp"
@@ -34,7 +35,9 @@
 namespace palpate {
 
 struct SaveFigures {
-  std::vector<double> seconds;           // how long each successful save took, in order [s]
+  static constexpr std::size_t kMostTimes = std::size_t{1} << 14U;
+  std::uint64_t saves = 0;               // that succeeded
+  std::vector<double> seconds;           // how long the newest kMostTimes of them took, in order [s]
   std::uint64_t failures = 0;            // saves that failed
   std::uint64_t bytes = 0;               // size of the newest file [byte]
   std::optional<std::uint64_t> version;  // edit version in the newest file; empty: no file yet
@@ -116,8 +119,9 @@ class BackgroundSaver {
   std::vector<BrickContent> waiting_;    // for the batch that completes a version; as broken_
   std::atomic<Batch*> batch_ = nullptr;  // owned; null: the saver is idle
   bool broken_ = false;                  // the volume is incomplete; the engine's thread uses this only when ready()
-  mutable std::mutex mutex_;             // guards figures_, unreported_ and failure_without_text_
+  mutable std::mutex mutex_;             // guards figures_, save_s_, unreported_ and failure_without_text_
   SaveFigures figures_;
+  NewestValues save_s_{SaveFigures::kMostTimes};
   std::vector<std::string> unreported_;
   bool failure_without_text_ = false;  // a failure whose text found no memory
   std::atomic<bool> has_unreported_ = false;

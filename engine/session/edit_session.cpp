@@ -53,8 +53,6 @@ void EditSession::keepCheckpoints(const std::filesystem::path& folder, const Jou
 // the change is made nothing here throws, since the change must still go into the journal.
 template <typename Change>
 Engine::EditResult EditSession::timed(const Change& change) {
-  std::vector<double>& times = figures_.edit_to_window_s;
-  if (times.size() == times.capacity()) times.reserve(std::max<std::size_t>(1024, 2 * times.size()));
   const Stopwatch watch;
   Engine::EditResult result = change();
   ++figures_.edits;
@@ -63,7 +61,7 @@ Engine::EditResult EditSession::timed(const Change& change) {
   double seconds = watch.seconds();
   for (const StageTime& stage : result.stages) seconds -= stage.name == "settle" ? stage.seconds : 0;
   ++figures_.windows;
-  times.push_back(seconds);
+  edit_to_window_s_.add(seconds);
   return result;
 }
 
@@ -294,6 +292,7 @@ void EditSession::dropEmptyJournal() {
 
 EditFigures EditSession::figures() const {
   EditFigures figures = figures_;
+  figures.edit_to_window_s = edit_to_window_s_.inOrder();
   if (saver_) figures.saves = saver_->figures();
   // Edits after the saved version changed nothing, so the file holds the newest version.
   if (saver_ && isSaved()) figures.saves.version = engine_ != nullptr ? engine_->editVersion() : left_version_;

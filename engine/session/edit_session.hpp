@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "base/newest_values.hpp"
 #include "engine/journal/journal_writer.hpp"
 #include "engine/session/background_saver.hpp"
 #include "engine/session/checkpoint_keeper.hpp"
@@ -27,9 +28,10 @@ namespace palpate {
 
 // Figures of a session.
 struct EditFigures {
-  std::uint64_t edits = 0;               // undo and redo included
+  static constexpr std::size_t kMostTimes = std::size_t{1} << 14U;  // a session may go on for days
+  std::uint64_t edits = 0;                                          // undo and redo included
   std::uint64_t windows = 0;             // edits that reached the window and published it anew
-  std::vector<double> edit_to_window_s;  // of each of these: time from call to published window [s]
+  std::vector<double> edit_to_window_s;  // of the newest kMostTimes of them: from call to published window [s]
   std::uint64_t journalled = 0;          // records given to the journal
   std::uint64_t acknowledged = 0;        // records on disk
   std::uint64_t journal_bytes = 0;       // on disk; 0: no journal, or one that was deleted as it had no record
@@ -143,6 +145,7 @@ class EditSession {
   bool saver_usable_ = true;             // changed bricks still reach the saver
   bool closed_ = false;
   EditFigures figures_;
+  NewestValues edit_to_window_s_{EditFigures::kMostTimes};
 };
 
 }  // namespace palpate

@@ -349,6 +349,16 @@ TEST_F(Edits, TroublesAreListedOnceWithTheirCount) {
   EXPECT_THAT(edits.troubles(), testing::ElementsAre("2 times, first: 3 of 7 were lost", "something else"));
 }
 
+// A service may go on for days.
+TEST_F(Edits, KeepsABoundedNumberOfTroubles) {
+  std::string name;
+  for (std::size_t i = 0; i < 2 * RigEdits::kMostTroubles; ++i) edits.tell(name += 'x');
+  EXPECT_EQ(told.size(), 2 * RigEdits::kMostTroubles);
+  EXPECT_EQ(edits.troubles().size(), RigEdits::kMostTroubles);
+  edits.tell("x");
+  EXPECT_EQ(edits.troubles()[0], "2 times, first: x");
+}
+
 // On a running rig: what was removed under the tool lets it go, and undo holds it again.
 class RigWithEdits : public Edits {
  protected:

@@ -179,6 +179,7 @@ TEST(RunEdits, AreTheSessionsFiguresInMilliseconds) {
   figures.acknowledged = 7;
   figures.journal_bytes = 600;
   figures.journal_failure = "the journal's disk is full";
+  figures.saves.saves = 12;
   figures.saves.seconds = {1, 5, 3};
   figures.saves.failures = 4;
   figures.saves.bytes = 1000;
@@ -193,7 +194,7 @@ TEST(RunEdits, AreTheSessionsFiguresInMilliseconds) {
   EXPECT_EQ(edits.journal_bytes, 600U);
   EXPECT_EQ(edits.journal_failure, "the journal's disk is full");
   EXPECT_EQ(edits.refused, 10U);
-  EXPECT_EQ(edits.saves, 3U);
+  EXPECT_EQ(edits.saves, 12U);
   EXPECT_EQ(edits.save_failures, 4U);
   EXPECT_EQ(edits.save_bytes, 1000U);
   EXPECT_EQ(edits.save_version, 6U);

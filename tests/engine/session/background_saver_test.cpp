@@ -238,6 +238,7 @@ TEST(BackgroundSaver, NoSaveMixesVersions) {
   saver.close();
   EXPECT_EQ(mixed, 0U);
   EXPECT_EQ(saver.figures().seconds.size(), 66U);
+  EXPECT_EQ(saver.figures().saves, 66U);
 }
 
 // An exception whose words need more memory than a process at its limit gets.
