@@ -279,10 +279,12 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
     case wire::Verb::Set: {
       checkWords(ask, 2, 2);
       const std::string key = ask.words[0];
-      return served_.change(withLiveSetting(served_.scene(), key, ask.words[1]),
-                            [this, done, key](const std::optional<Error>& refusal) {
-                              done(refusal, refusal ? "" : settingsText(served_.scene(), std::span(&key, 1)));
-                            });
+      return served_.change(
+          withLiveSetting(served_.scene(), key, ask.words[1]),
+          [this, done, key](const std::optional<Error>& refusal) {
+            done(refusal, refusal ? "" : settingsText(served_.scene(), std::span(&key, 1)));
+          },
+          key == "isovalue" ? ServedVolume::Awaits::kTheIsovalue : ServedVolume::Awaits::kAnotherIsovalue);
     }
     case wire::Verb::Edit:
       return askForEdit(ask, done);
@@ -440,8 +442,9 @@ void ClientDesk::askFromAWindow(const wire::AskT& ask, const Answer& done, Clien
       break;
     case wire::Verb::Hold:
       checkWords(ask, 1, 1);
-      return inOrder(done, [this, done, one = client.onlooker, brush = toolBrushSpec(ask.words[0])] {
-        served_.hold(one, brush);
+      return inOrder(done, [this, done, one = client.onlooker, turn = served_.askToHold(onlooker),
+                            brush = toolBrushSpec(ask.words[0])] {
+        served_.hold(one, turn, brush);
         done({}, {});
       });
     case wire::Verb::Release:

@@ -77,7 +77,7 @@ class ClientDesk {
   void askFor(const wire::AskT& ask, const Answer& done, Client& client);
   void askForStatus(const wire::AskT& ask, Client& client);
   void answerNow(Client& client, wire::AnswerT answer, int attached = -1);
-  // Those of a client who looks on; all but save are answered at once.
+  // Those of a client who looks on; those that wait for edits or an isovalue are answered later.
   void letLookOn(const wire::AskT& ask, Client& client);
   void askFromAWindow(const wire::AskT& ask, const Answer& done, Client& client);
   void letGo(Client& client);

@@ -44,46 +44,72 @@ void setIn(Scene& scene, const std::string& key, const std::string& text) {
 }  // namespace
 
 KeptSettings::KeptSettings(std::filesystem::path file, const Scene& scene, Tell tell)
-    : file_(std::move(file)), tell_(std::move(tell)), scene_(scene), begun_(scene), writer_("settings") {
+    : file_(std::move(file)), tell_(std::move(tell)), users_(scene), taken_(scene), writer_("settings") {
   std::error_code ignored;
   if (file_.empty() || !std::filesystem::exists(file_, ignored)) return;
   try {
     take(wholeFile(file_, "the settings", kMostBytes));
   } catch (const std::exception& error) {
-    kept_.clear();
-    begun_ = scene_;
-    tell_(fmt::format("settings from before are not taken: {}", error.what()));
+    takeNone(error.what());
+  }
+}
+
+void KeptSettings::takeNone(const std::string& why) {
+  kept_.clear();
+  taken_ = users_;
+  file_differs_ = true;
+  tell_(fmt::format("settings from before are not taken: {}", why));
+}
+
+void KeptSettings::check(const std::function<void(const Scene&)>& fits) {
+  if (kept_.empty()) return;
+  try {
+    fits(taken_);
+  } catch (const Error& error) {
+    takeNone(error.what());
   }
 }
 
 void KeptSettings::take(const std::string& text) {
-  const nlohmann::json all = nlohmann::json::parse(text);
+  const nlohmann::json file = nlohmann::json::parse(text);
+  const auto volume = file.at("volume").get<std::string>();
+  if (volume != users_.volume) return takeNone(fmt::format("they are of {}", volume));
+  const nlohmann::json& all = file.at("settings");
   std::vector<std::string> taken, overtaken;
   for (const std::string& key : keys()) {
     if (!all.contains(key)) continue;
     const Setting one{all.at(key).at("scene").get<std::string>(), all.at(key).at("set").get<std::string>()};
-    if (one.in_scene != textOf(scene_, key)) {
+    if (one.in_scene != textOf(users_, key)) {
       overtaken.push_back(key);
       continue;
     }
-    setIn(begun_, key, one.set);
+    setIn(taken_, key, one.set);
     kept_[key] = one;
     taken.push_back(fmt::format("{} = {}", key, one.set));
   }
   if (!taken.empty()) tell_(fmt::format("settings from before are taken again: {}", fmt::join(taken, ", ")));
+  file_differs_ = !overtaken.empty();
   if (!overtaken.empty())
     tell_(fmt::format("settings from before are not taken, as the scene has changed: {}", fmt::join(overtaken, ", ")));
 }
 
 void KeptSettings::begin(const Scene& served) {
-  served_first_ = served;
+  at_start_ = served;
+  for (const auto& [key, one] : kept_)
+    if (textOf(served, key) == one.set) told_.insert(key);
+}
+
+void KeptSettings::reread(const Scene& wanted) {
+  std::vector<std::string> others;  // with the next start, which then sees that the scene has changed
+  users_ = withLiveSettings(users_, wanted, others);
+  at_start_ = withLiveSettings(at_start_, wanted, others);
 }
 
 KeptSettings::Settings KeptSettings::changed(const Scene& served) const {
   Settings settings;
   for (const std::string& key : keys()) {
-    const std::string now = textOf(served, key), in_scene = textOf(scene_, key);
-    const bool is_told = now != textOf(served_first_, key) || textOf(begun_, key) != in_scene;
+    const std::string now = textOf(served, key), in_scene = textOf(users_, key);
+    const bool is_told = now != textOf(at_start_, key) || told_.contains(key);
     const bool can_be_said = !now.empty() || key == kFilter;
     if (is_told && can_be_said && now != in_scene) settings[key] = {in_scene, now};
   }
@@ -91,10 +117,10 @@ KeptSettings::Settings KeptSettings::changed(const Scene& served) const {
 }
 
 void KeptSettings::look(const Scene& served, std::int64_t now_ns) {
-  if (file_.empty() || now_ns - looked_at_ns_ < kEvery_ns) return;
   looked_at_ns_ = now_ns;
+  if (file_.empty() || !writer_.idle()) return;
   Settings settings = changed(served);
-  if (settings == kept_ || !writer_.idle()) return;
+  if (settings == kept_ && !file_differs_.exchange(false)) return;
   kept_ = std::move(settings);
   writer_.add([this, settings = kept_] { write(settings); });
 }
@@ -102,9 +128,11 @@ void KeptSettings::look(const Scene& served, std::int64_t now_ns) {
 void KeptSettings::write(const Settings& settings) {
   nlohmann::json all = nlohmann::json::object();
   for (const auto& [key, one] : settings) all[key] = {{"scene", one.in_scene}, {"set", one.set}};
+  const nlohmann::json file = {{"volume", users_.volume}, {"settings", all}};
   try {
-    writeFileAtomically(file_, all.dump(2) + "\n");
+    writeFileAtomically(file_, file.dump(2) + "\n");
   } catch (const std::exception& error) {
+    file_differs_ = true;
     if (!std::exchange(was_told_, true)) tell_(fmt::format("what is set would not outlive a crash: {}", error.what()));
   }
 }

@@ -8,10 +8,12 @@
 // Threads: one makes and calls it; another one writes the file, so nobody waits for the disk.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 
 #include "apps/scene/scene.hpp"
@@ -22,15 +24,22 @@ namespace palpate {
 class KeptSettings {
  public:
   using Tell = std::function<void(const std::string&)>;
-  static constexpr std::int64_t kEvery_ns = 200'000'000;  // at most so late is a change on the disk, and then its fsync
+  static constexpr std::int64_t kEvery_ns = 200'000'000;  // at most so late does a change go to the disk
 
-  // `file`: empty: none is kept. A file that cannot be read is told and ignored.
+  // `file`: empty: none is kept. `scene`: the user's. One of another volume, or that cannot be read, is told and
+  // ignored.
   KeptSettings(std::filesystem::path file, const Scene& scene, Tell tell);
-  // The scene with what is kept.
-  [[nodiscard]] const Scene& scene() const noexcept { return begun_; }
-  // `served`: the scene as the service begins with it, in which it has chosen what scene() leaves to it.
+  // The user's scene with what is kept.
+  [[nodiscard]] const Scene& taken() const noexcept { return taken_; }
+  // Nothing is taken if this throws for taken(), which is told.
+  void check(const std::function<void(const Scene&)>& fits);
+  // The scene as the service begins with it: with what it has chosen where the user leaves it to the program, and
+  // perhaps without some of taken(). Before look().
   void begin(const Scene& served);
-  // Now and then: the scene as it is served now. A file that cannot be written is told once.
+  // The user's scene was read again, and its settings are in effect.
+  void reread(const Scene& wanted);
+  [[nodiscard]] bool isDue(std::int64_t now_ns) const noexcept { return now_ns - looked_at_ns_ >= kEvery_ns; }
+  // When it is due: the scene as it is served now. A file that cannot be written is told once, and tried again.
   void look(const Scene& served, std::int64_t now_ns);
   // The end in good order. Removes the file.
   void forget();
@@ -43,15 +52,16 @@ class KeptSettings {
   using Settings = std::map<std::string, Setting>;  // by key
   [[nodiscard]] Settings changed(const Scene& served) const;
   void take(const std::string& text);
+  void takeNone(const std::string& why);
   void write(const Settings& settings);
 
   const std::filesystem::path file_;
   const Tell tell_;
-  const Scene scene_;
-  Scene begun_;  // scene_ with what was kept
-  Scene served_first_;
-  Settings kept_;  // as the file has them, or will
+  Scene users_, taken_, at_start_;
+  Settings kept_;               // as the file has them, or will
+  std::set<std::string> told_;  // keys of those that were taken
   std::int64_t looked_at_ns_ = 0;
+  std::atomic<bool> file_differs_{false};
   bool was_told_ = false;  // the writer's
   Chores writer_;          // last member: it uses the others
 };

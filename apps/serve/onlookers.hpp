@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "apps/rig/live_view.hpp"
+#include "apps/serve/brush_holders.hpp"
 #include "service/memory/view_memory.hpp"
 #include "servo/devices/pointer_path.hpp"
 #include "servo/loop/live_ticks.hpp"
@@ -24,7 +25,7 @@
 
 namespace palpate {
 
-class Onlooker {
+class Onlooker : public BrushHand {
  public:
   explicit Onlooker(const ViewMemory::Room& room)
       : memory_(room), ticks_(memory_.ticks(), memory_.tickRing(), memory_.room().ticks), aims_(memory_.aims()) {}

@@ -54,21 +54,28 @@ void tell(const std::string& words) {
   tellUser("serve: " + words);
 }
 
-void reload(const ServeRequest& request, ServedVolume& served) {
-  if (!request.read_again) return tell("no scene file was named, so there are no settings to read again");
+// False: not yet, as the engine is being made anew.
+bool reload(const ServeRequest& request, ServedVolume& served, KeptSettings& settings) {
+  if (!request.read_again) {
+    tell("no scene file was named, so there are no settings to read again");
+    return true;
+  }
   try {
     const Scene wanted = request.read_again();
     std::vector<std::string> others;
     served.change(withLiveSettings(served.scene(), wanted, others), [](const std::optional<Error>& refusal) {
       if (refusal) tell(refusal->what());
     });
+    settings.reread(wanted);
     tell("the scene's settings were read again");
     others.clear();
     static_cast<void>(withLiveSettings(request.scene, wanted, others));  // held against the file as it was at the start
     if (!others.empty()) tell(fmt::format("these take effect with the next start: {}", fmt::join(others, ", ")));
   } catch (const Error& error) {
+    if (error.code() == Error::Code::kDevice) return false;
     tell(fmt::format("the settings stay as they are: {}", error.what()));
   }
+  return true;
 }
 
 struct ClosedFirst {
@@ -89,12 +96,6 @@ std::filesystem::path journalOf(const ServeRequest& request) {
         "no journal is kept, as neither XDG_STATE_HOME nor HOME is set: a crash loses the edits; name a folder with "
         "--journal");
   return folder;
-}
-
-// Beside the journal's folder, whose lock keeps others from it.
-std::filesystem::path settingsFileOf(std::filesystem::path journal) {
-  if (!journal.empty()) journal += ".settings.json";
-  return journal;
 }
 
 std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolume& served, const ClientDesk& desk) {
@@ -137,8 +138,14 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   makeSocketFolder(socket);
   Listener listener(socket);  // first: whoever has the socket has the journal
   const std::filesystem::path journal = journalOf(request);
-  KeptSettings settings(settingsFileOf(journal), request.scene, tell);
-  ServedVolume served({.scene = settings.scene(), .journal = journal, .commit = request.commit}, progress, tell);
+  KeptSettings settings(journal.empty() ? journal : journal / "settings.json", request.scene, tell);
+  settings.check([](const Scene& scene) {
+    checkServable(scene);
+    static_cast<void>(servedPlan(scene));
+  });
+  ServedVolume served(
+      {.scene = request.scene, .settings = settings.taken(), .journal = journal, .commit = request.commit}, progress,
+      tell);
   settings.begin(served.scene());
   ClientDesk desk(std::move(listener), served, tell);
   const ClosedFirst closed{served};  // what it still has to answer goes to the desk
@@ -153,11 +160,11 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   Watchdog watchdog(notify);
   while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
     watchdog.look(served);
-    settings.look(served.scene(), monotonicNow_ns());
+    if (settings.isDue(monotonicNow_ns())) settings.look(served.scene(), monotonicNow_ns());
     if (reload_asked == 0) continue;
     reload_asked = 0;
     static_cast<void>(notify.reloading());
-    reload(request, served);
+    if (!reload(request, served, settings)) reload_asked = 1;
     static_cast<void>(notify.ready());
   }
   static_cast<void>(notify.stopping());
@@ -172,7 +179,12 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   };
   {
     const Flushed flushed{desk};
-    served.close(request.scene.save);
+    try {
+      served.close(request.scene.save);
+    } catch (...) {
+      if (!served.failed()) settings.forget();
+      throw;
+    }
   }
   settings.forget();
   tell("ended");

@@ -55,7 +55,10 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
     : tell_(std::move(tell)), journal_(request.journal), first_scene_(request.scene) {
   checkServable(first_scene_);
   scene_ = withUsual(first_scene_);
-  engine_ = std::make_unique<ServedEngine>(first_scene_, journal_, progress, tell_,
+  scene_.filter = request.settings.filter;
+  Scene filtered = first_scene_;
+  filtered.filter = scene_.filter;
+  engine_ = std::make_unique<ServedEngine>(filtered, journal_, progress, tell_,
                                            [this](const Volume& volume, double isovalue) {
                                              if (hasPath(first_scene_))
                                                way_ = scriptedPath(first_scene_, VolumeSurface(volume, isovalue)).path;
@@ -75,7 +78,23 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
                                 .window_samples = live.engine().windowCapacity(),
                                 .commit = request.commit},
                 tell_);
+  takeSettings(request.settings);
   noteMemory(monotonicNow_ns());
+}
+
+// From before a crash, one by one of the right kind: whether they fit each other and this engine shows here.
+void ServedVolume::takeSettings(const Scene& settings) {
+  Scene next = withUsual(settings);
+  const bool goes_elsewhere = settings.isovalue != first_scene_.isovalue && engine_->canChangeIsovalue();
+  if (!goes_elsewhere) next.isovalue = first_isovalue_;
+  try {
+    checkFollowsEdits(next.algorithm, "servo.algorithm = " + next.algorithm);
+    checkHasGradients(next.algorithm, engine_->gradientEverywhere());
+    static_cast<void>(makeAlgorithm(settingsOf(next), RigVolume{.scale = engine_->scale()}));
+    scene_ = next;
+  } catch (const Error& error) {
+    tell_(fmt::format("settings from before are not taken: {}", error.what()));
+  }
 }
 
 ServedVolume::~ServedVolume() {
@@ -333,6 +352,7 @@ void ServedVolume::heedRig(TouchRig& rig) {
   if (const std::optional<Error> refusal = rig.takeRefusal()) {
     const std::lock_guard order(changers_);
     endIsovalue(*refusal, rig.settings().parameters.isovalue);
+    rig.change(settingsOf(scene()));  // what else was set meanwhile waited for the isovalue
   } else if (rig.isSettled()) {
     asked_isovalues_.reached(isovalue);
   }
@@ -459,17 +479,14 @@ void ServedVolume::leave(const std::shared_ptr<Onlooker>& one) {
   release(one);
 }
 
-void ServedVolume::hold(const std::shared_ptr<Onlooker>& one, const ToolBrushSpec& brush) {
-  const std::lock_guard lock(holding_);
-  if (!edits().setBrush(brush)) throw tooManyWait("the brush");
-  holder_ = one;
+void ServedVolume::hold(const std::shared_ptr<Onlooker>& one, BrushHolders::Turn turn, const ToolBrushSpec& brush) {
+  holders_.hold(one, turn, [&] {
+    if (!edits().setBrush(brush)) throw tooManyWait("the brush");
+  });
 }
 
 void ServedVolume::release(const std::shared_ptr<Onlooker>& one) {
-  const std::lock_guard lock(holding_);
-  if (holder_.lock() != one) return;
-  static_cast<void>(edits().dropBrush());  // not taken: editing has ended
-  holder_.reset();
+  holders_.release(one, [&] { static_cast<void>(edits().dropBrush()); });  // not taken: editing has ended
 }
 
 void ServedVolume::goTo(std::size_t done) {
@@ -564,7 +581,7 @@ Scene ServedVolume::scene() const {
   return scene_;
 }
 
-void ServedVolume::change(const Scene& wanted, Done done) {
+void ServedVolume::change(const Scene& wanted, Done done, Awaits awaits) {
   checkFollowsEdits(wanted.algorithm, "servo.algorithm = " + wanted.algorithm);
   const std::lock_guard order(changers_);
   const bool goes_elsewhere = wanted.isovalue != scene().isovalue;
@@ -585,7 +602,8 @@ void ServedVolume::change(const Scene& wanted, Done done) {
     scene_ = wanted;
     scene_.filter = filter;
   }
-  if (goes_elsewhere) return asked_isovalues_.add(wantedIsovalue(wanted), std::move(done));
+  if (goes_elsewhere || awaits == Awaits::kTheIsovalue)
+    return asked_isovalues_.add(wantedIsovalue(wanted), std::move(done));
   done({});
 }
 

@@ -29,6 +29,7 @@
 #include "apps/rig/touch_rig.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/serve/asked_isovalues.hpp"
+#include "apps/serve/brush_holders.hpp"
 #include "apps/serve/disk_answers.hpp"
 #include "apps/serve/lost_engines.hpp"
 #include "apps/serve/onlookers.hpp"
@@ -44,7 +45,8 @@ namespace palpate {
 class ServedVolume {
  public:
   struct Request {
-    Scene scene;
+    Scene scene;                    // the user's, whose device servos make
+    Scene settings;                 // with what is to be in effect at first (live_setting.hpp), and the filters
     std::filesystem::path journal;  // folder; empty: none
     std::string commit;             // of this program
   };
@@ -84,8 +86,10 @@ class ServedVolume {
   void filter(const std::string& chain, Done done);
   [[nodiscard]] Scene scene() const;
   // Live settings (live_setting.hpp); the servo takes them between two ticks. `done`: an isovalue is in effect, or was
-  // refused. Throws Error(kBadInput), and changes nothing, as TouchRig::change() does.
-  void change(const Scene& scene, Done done);
+  // refused; `awaits`: also one that is on its way already. Throws Error(kBadInput), and changes nothing, as
+  // TouchRig::change() does; kDevice while the engine is being made anew.
+  enum class Awaits : std::uint8_t { kAnotherIsovalue, kTheIsovalue };
+  void change(const Scene& scene, Done done, Awaits awaits = Awaits::kAnotherIsovalue);
   [[nodiscard]] ServedStatus status() const;
 
   // A client looks on, until leave(): it has memory of its own, which it shares with the engine. The brush that it lets
@@ -93,9 +97,12 @@ class ServedVolume {
   [[nodiscard]] std::shared_ptr<Onlooker> lookOn();
   void leave(const std::shared_ptr<Onlooker>& one);
   void show(Onlooker& one, ViewRequest wanted) { onlookers_.show(one, std::move(wanted)); }
-  void hold(const std::shared_ptr<Onlooker>& one, const ToolBrushSpec& brush);
-  void release(const std::shared_ptr<Onlooker>& one);  // the brush that it let the tool hold last
-  void goTo(std::size_t done);                         // RigEdits::goTo()
+  // Its pointer's button is down, from askToHold() until release(): with `turn` from the former, it does nothing after
+  // the latter.
+  [[nodiscard]] BrushHolders::Turn askToHold(const Onlooker& one) const { return holders_.ask(one); }
+  void hold(const std::shared_ptr<Onlooker>& one, BrushHolders::Turn turn, const ToolBrushSpec& brush);
+  void release(const std::shared_ptr<Onlooker>& one);
+  void goTo(std::size_t done);  // RigEdits::goTo()
   void change(const RigSettings& settings, Done done);
   [[nodiscard]] ServedFacts facts() const;
   // `known`: State::edits of the list of steps that the client has; empty: it has none.
@@ -122,6 +129,7 @@ class ServedVolume {
   void heedRig(TouchRig& rig);
   void takeIsovalueAlone();
   void endIsovalue(const Error& refusal, double in_use);
+  void takeSettings(const Scene& settings);
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
   [[nodiscard]] RigEdits& edits() noexcept { return engine_->live().edits(); }
   void refuseWaiting();
@@ -130,7 +138,7 @@ class ServedVolume {
 
   const Tell tell_;
   const std::filesystem::path journal_;
-  const Scene first_scene_;  // whose device servos make
+  const Scene first_scene_;
   // Of the volume, which does not change:
   double first_isovalue_ = 0;
   Vec3i size_;
@@ -154,8 +162,7 @@ class ServedVolume {
   std::mutex changers_;  // guards the next; held while the rig takes a change
   TouchRig* rig_ = nullptr;
 
-  std::mutex holding_;              // guards the next
-  std::weak_ptr<Onlooker> holder_;  // whose brush the tool holds
+  BrushHolders holders_;
 
   AskedIsovalues asked_isovalues_;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // apps/serve/servo_door.hpp: where servos come to a service, one at a time. One that has connected makes its device,
 // which may take seconds: a thread of its own waits for that, while the engine goes on.
-// Threads: letIn() by one, takeNext() and hasLeft() by the engine's, the rest by any.
+// Threads: letIn() by one, takeNext() by the engine's, the rest by any.
 #pragma once
 
 #include <cstdint>

@@ -11,6 +11,7 @@
 #include "apps/servo_side/attachments.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
+#include "base/monotonic_clock.hpp"
 #include "base/other_version.hpp"
 #include "base/thread_names.hpp"
 #include "servo/meshes/mesh_object.hpp"
@@ -186,26 +187,28 @@ void RemoteServo::listen() {
   nameThisThread("servo link");
   try {
     const int look_ms = ticks_ != nullptr ? kTickLook_ms : kStopLook_ms;
-    for (int stopping_ms = 0; running();) {
+    std::optional<std::int64_t> stopping_since_ns;
+    while (running()) {
       std::optional<MessageChannel::Received> received = channel_.receive(look_ms);
       passTicksOn();
       if (is_deaf_.load(std::memory_order_relaxed))
         throw Error(Error::Code::kDevice, "the servo", "it does not take what it is told", "end it, and start again");
-      if (!received) {
-        // One that hangs is not waited for without an end.
-        stopping_ms += stop_.load() ? look_ms : 0;
-        if (stopping_ms >= MessageChannel::kPatience_ms)
-          throw Error(Error::Code::kDevice, "the servo", "its process does not answer", "end it, and start again");
-        continue;
-      }
-      if (const auto* const change = contentOf<wire::ChangeEndedT>(received->body))
+      // One that hangs, or talks on, is not waited for without an end.
+      const std::int64_t now_ns = monotonicNow_ns();
+      if (stop_.load() && !stopping_since_ns) stopping_since_ns = now_ns;
+      if (stopping_since_ns && now_ns - *stopping_since_ns > std::int64_t{MessageChannel::kPatience_ms} * 1'000'000)
+        throw Error(Error::Code::kDevice, "the servo", "its process does not end", "end it, and start again");
+      if (!received) continue;
+      if (const auto* const change = contentOf<wire::ChangeEndedT>(received->body)) {
         ended_.store(std::min(change->number, given_.load()), std::memory_order_release);
-      if (const auto* const state = contentOf<wire::DeviceStateT>(received->body))
+      } else if (const auto* const state = contentOf<wire::DeviceStateT>(received->body)) {
         device_->set(forceOffOf(state->force_off));
-      if (const auto* const ended = contentOf<wire::EndedT>(received->body)) {
+      } else if (const auto* const ended = contentOf<wire::EndedT>(received->body)) {
         take(*ended, std::move(received->attached));
         passTicksOn();
         running_.store(false, std::memory_order_release);
+      } else {
+        refuseOtherVersion("the servo", fmt::format("it sent a message {} where none may be", kindOf(received->body)));
       }
     }
   } catch (...) {

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "base/atomic_file.hpp"
+#include "base/byte_size.hpp"
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
@@ -145,6 +146,21 @@ void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& v
   end.add(checksum);
   target.write(end.bytes());
   target.commit();
+}
+
+std::uint64_t roomFor(std::size_t bricks) noexcept {
+  constexpr std::uint64_t kForJournals = std::uint64_t{64} << 20U;
+  return 2 * kBrickVoxels * sizeof(float) * std::uint64_t{bricks} + kForJournals;
+}
+
+void checkRoomFor(const fs::path& folder, std::size_t bricks) {
+  std::error_code unknown;
+  const fs::space_info space = fs::space(folder, unknown);
+  if (unknown || space.available >= roomFor(bricks)) return;
+  throw Error(Error::Code::kIo, folder.string(),
+              fmt::format("there is room for {} there, and a checkpoint is not to take it from the journal",
+                          bytesInWords(space.available)),
+              "make room");
 }
 
 Headstart putCheckpoint(const fs::path& folder, const JournalHeader& header, std::span<const LastingEdit> edits,

@@ -23,6 +23,12 @@ inline constexpr std::size_t kCheckpoints = 2;
 using CheckpointMarks = std::array<std::optional<EditMark>, kCheckpoints>;
 [[nodiscard]] std::filesystem::path checkpointFile(const std::filesystem::path& folder, std::size_t number);
 
+// Free space that a checkpoint of so many bricks is written with [byte]: twice its size, and 64 MiB. A journal that
+// finds no room ends, so a checkpoint is not to take the last.
+[[nodiscard]] std::uint64_t roomFor(std::size_t bricks) noexcept;
+// Throws Error(kIo) if the folder's disk has less; where the system does not say, it has enough.
+void checkRoomFor(const std::filesystem::path& folder, std::size_t bricks);
+
 // Writes what `bricks` (page indices, ascending) hold in `volume`, whole or not at all. Throws Error(kIo). Cost: 2 KiB
 // for each brick, and waiting for the disk.
 void writeCheckpoint(const std::filesystem::path& file, const EditMark& mark, const Volume& volume,

@@ -20,9 +20,8 @@ namespace palpate {
 class EngineThread {
  public:
   // Starts the thread. It calls `follow`, if given, with every pose that it reads, also with none (tick -1) until the
-  // servo's first tick, which may never come; `follow` may edit, and returns
-  // whether it waits for the device and should be called again soon. If the thread fails, it publishes nothing more and
-  // calls `failed`, which may not throw.
+  // servo's first tick, which may never come; `follow` may edit, and returns whether it waits for the device and should
+  // be called again soon. If the thread fails, it publishes nothing more and calls `failed`, which may not throw.
   using Follow = std::function<bool(const ToolPose& pose, std::int64_t now_ns)>;
   EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow = {}, std::function<void()> failed = {});
   ~EngineThread();  // stops the thread; drops a failure that stop() has not rethrown

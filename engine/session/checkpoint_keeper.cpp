@@ -92,6 +92,7 @@ void CheckpointKeeper::write(const Volume& volume, const EditMark& mark, std::si
     for (std::size_t i = 0; i < is_changed_.size(); ++i) {
       if (is_changed_[i]) bricks.push_back(static_cast<std::uint32_t>(i));
     }
+    checkRoomFor(folder_, bricks.size());
     writeCheckpoint(checkpointFile(folder_, place), mark, volume, bricks);
   } catch (const std::exception& error) {
     attempt_.failed = true;

@@ -87,16 +87,19 @@ std::vector<Descriptor> attachedTo(msghdr& message) {
   return all;
 }
 
-// So that of two who find a dead socket there, neither removes what the other has put in its place. A folder needs no
-// file for the lock, which would stay behind.
+// Locked where that is possible, so that of two who find a dead socket there, neither removes what the other has put in
+// its place. A folder needs no file for the lock, which would stay behind.
 Descriptor lockedFolder(const std::string& path, int most_ms) {
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   Descriptor opened(open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (!opened)
+  if (!opened && errno != EACCES)
     refuseSocket(path, Error::Code::kIo, formatted("no socket can be made there ({})", std::strerror(errno)),
                  "make its folder, or name another place");
+  if (!opened) return opened;  // one may make a socket there, but not look
   const auto end = Clock::now() + std::chrono::milliseconds(most_ms);
   while (flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno == EINTR) continue;
+    if (errno != EWOULDBLOCK) return opened;  // a file system without locks
     if (Clock::now() >= end)
       refuseSocket(path, Error::Code::kIo, "somebody keeps its folder locked", "name a place in a folder of your own");
     std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));

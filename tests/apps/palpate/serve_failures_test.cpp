@@ -70,35 +70,50 @@ TEST_F(ServeFailures, AKilledEngineComesBackWithItsEdits) {
 // Killed, too: what was set is set again, but for what the user has changed in the scene. A stop in good order forgets.
 TEST_F(ServeFailures, WhatWasSetOutlivesAKill) {
   const auto gets = [this](const std::string& key) { return ctl({"get", key}).out; };
-  serve({kServedSphere, "--force-limit", "2"});
-  ASSERT_TRUE(awaitService());
-  const std::string isovalue = gets("isovalue");
+  writePress();
+  const Words scene = {kServedSphere, "--path", "press.csv"};
+  serve(scene + Words{"--force-limit", "2"});
+  join();
+  ASSERT_TRUE(awaitServo());
+  const std::string first = gets("isovalue");
+  const double isovalue = std::stod(first.substr(first.find('=') + 1));
+  expectSuccess(ctl({"set", "isovalue", fmt::format("{}", isovalue + 10)}));
+  const std::string isovalue_set = gets("isovalue");
+  EXPECT_NE(isovalue_set, first);
   expectSuccess(ctl({"set", "servo.stiffness_N_per_m", "432"}));
   expectSuccess(ctl({"set", "safety.force_limit_N", "1"}));
   expectSuccess(ctl({"filter", "gaussian:1"}));
   const auto are_kept = [this] {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder()))
-      if (entry.path().string().ends_with(".settings.json") &&
+      if (entry.path().filename() == "settings.json" &&
           contentsOf(entry.path()).find("gaussian:1") != std::string::npos)
         return true;
     return false;
   };
   for (int look = 0; look < 200 && !are_kept(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 1 && now["tick"] > 0; }));
+  const double tick = status()["tick"];
   engine.end(SIGKILL);
-  serve({kServedSphere, "--force-limit", "2.5"});
+  serve(scene + Words{"--force-limit", "2"});
+  ASSERT_TRUE(awaitServo());
+  EXPECT_GT(status()["tick"], tick) << "the very same loop";
+  EXPECT_EQ(gets("safety.force_limit_N"), "safety.force_limit_N = 1\n");
+  engine.end(SIGKILL);
+  serve(scene + Words{"--force-limit", "2.5"});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(gets("servo.stiffness_N_per_m"), "servo.stiffness_N_per_m = 432\n");
   EXPECT_EQ(gets("safety.force_limit_N"), "safety.force_limit_N = 2.5\n");
   EXPECT_EQ(gets("filter"), "filter = gaussian:1\n");
-  EXPECT_EQ(gets("isovalue"), isovalue);
+  EXPECT_EQ(gets("isovalue"), isovalue_set);
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("settings from before are taken again: "));
   expectSuccess(ctl({"stop"}));
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_FALSE(are_kept());
-  serve({kServedSphere, "--force-limit", "2"});
+  serve(scene);
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(gets("filter"), "filter = \n");
+  EXPECT_EQ(gets("isovalue"), first);
 }
 
 // The servo is killed: the engine goes on, a new servo joins. A second one is turned away.

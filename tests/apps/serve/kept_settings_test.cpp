@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/kept_settings.hpp"
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "apps/serve/live_setting.hpp"
+#include "base/error.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
 #include "tests/servo/support/seeded.hpp"
 
@@ -26,7 +29,7 @@ class Kept : public testing::Test {
   template <typename Told>
   void runs(const Scene& scene, const Told& told, bool ends = false) {
     KeptSettings settings(file(), scene, [this](const std::string& words) { said_.push_back(words); });
-    Scene served = settings.scene();
+    Scene served = settings.taken();
     if (!served.isovalue) served.isovalue = 226;
     settings.begin(served);
     settings.look(served, 1'000'000'000);
@@ -37,7 +40,7 @@ class Kept : public testing::Test {
   // What the next one begins with.
   [[nodiscard]] Scene next(const Scene& scene) {
     said_.clear();
-    return KeptSettings(file(), scene, [this](const std::string& words) { said_.push_back(words); }).scene();
+    return KeptSettings(file(), scene, [this](const std::string& words) { said_.push_back(words); }).taken();
   }
   const TemporaryFolder folder_;
   std::vector<std::string> said_;
@@ -129,21 +132,112 @@ TEST_F(Kept, ADamagedFileIsToldAndIgnored) {
     ignored += !said_.empty() && said_[0].find("are not taken") != std::string::npos ? 1 : 0;
   }
   EXPECT_GT(ignored, 150);
-  for (const char* text :
-       {"[]", "7", "{\"safety.force_limit_N\": {\"scene\": 3, \"set\": 1}}", "", "{\"servo.n\": {}}"}) {
-    std::ofstream(file()) << text;
-    EXPECT_EQ(settingsText(next(Scene{}), {}), settingsText(Scene{}, {})) << text;
+  for (const char* settings :
+       {"[]", "7", R"({"safety.force_limit_N": {"scene": 3, "set": 1}})", "", R"({"servo.n": {}})"}) {
+    std::ofstream(file()) << R"({"volume": "", "settings": )" << settings << "}";
+    EXPECT_EQ(settingsText(next(Scene{}), {}), settingsText(Scene{}, {})) << settings;
   }
 }
 
 // An unknown key is no matter, and one that may not change is not taken.
 TEST_F(Kept, OnlyWhatMayChangeIsTaken) {
-  std::ofstream(file())
-      << R"({"safety.release_s": {"scene": "1", "set": "9"}, "volume": {"scene": "", "set": "other"}})";
+  std::ofstream(file()) << R"({"volume": "", "settings": {"safety.release_s": {"scene": "1", "set": "9"},)"
+                        << R"( "volume": {"scene": "", "set": "other"}}})";
   EXPECT_EQ(settingsText(next(Scene{}), {}), settingsText(Scene{}, {}));
   EXPECT_THAT(said_, IsEmpty());
 }
 
+TEST_F(Kept, AnotherVolumeTakesNone) {
+  Scene scene;
+  scene.volume = "a";
+  runs(scene, [](Scene& served) { served.force_limit_N = 1; });
+  Scene other = scene;
+  other.volume = "b";
+  EXPECT_EQ(next(other).force_limit_N, Scene{}.force_limit_N);
+  EXPECT_THAT(said_, ElementsAre(HasSubstr("they are of a")));
+  EXPECT_EQ(next(scene).force_limit_N, 1);
+}
+
+TEST_F(Kept, WhatDoesNotFitIsNotTaken) {
+  runs(Scene{}, [](Scene& served) { served.force_limit_N = 1; });
+  {
+    KeptSettings settings(file(), Scene{}, [this](const std::string& words) { said_.push_back(words); });
+    settings.check([](const Scene&) {});
+    EXPECT_EQ(settings.taken().force_limit_N, 1);
+    said_.clear();
+    settings.check([](const Scene& scene) {
+      EXPECT_EQ(scene.force_limit_N, 1);
+      refuse("the scene", "it does not fit", "change it");
+    });
+    EXPECT_EQ(settings.taken().force_limit_N, Scene{}.force_limit_N);
+    EXPECT_THAT(said_, ElementsAre(HasSubstr("it does not fit")));
+    settings.check([](const Scene&) { ADD_FAILURE() << "there is nothing to check"; });
+    settings.begin(settings.taken());
+    settings.look(settings.taken(), 1'000'000'000);  // the file has it no more
+  }
+  EXPECT_EQ(next(Scene{}).force_limit_N, Scene{}.force_limit_N);
+}
+
+// The service may leave out what it cannot do here.
+TEST_F(Kept, WhatTheServiceDidNotTakeIsForgotten) {
+  runs(Scene{}, [](Scene& served) {
+    served.force_limit_N = 1;
+    served.damping_Ns_per_m = 0.25;
+  });
+  {
+    KeptSettings settings(file(), Scene{}, [](const std::string&) {});
+    Scene served = settings.taken();
+    served.damping_Ns_per_m = 0.5;  // what it chooses itself
+    settings.begin(served);
+    settings.look(served, 1'000'000'000);
+  }
+  EXPECT_EQ(next(Scene{}).force_limit_N, 1);
+  EXPECT_FALSE(next(Scene{}).damping_Ns_per_m);
+}
+
+// An overtaken value does not come back with the scene's first one.
+TEST_F(Kept, AnOvertakenValueIsForgotten) {
+  Scene scene;
+  scene.force_limit_N = 2;
+  runs(scene, [](Scene& served) { served.force_limit_N = 1; });
+  Scene changed = scene;
+  changed.force_limit_N = 2.5;
+  runs(changed, [](Scene&) {});
+  EXPECT_EQ(next(scene).force_limit_N, 2);
+}
+
+// What is set after the scene was read again is the later word, also if it is the value of the start.
+TEST_F(Kept, ASceneThatIsReadAgainIsHeldAgainst) {
+  for (const double set : {600., 800.}) {
+    Scene scene, wanted;
+    scene.stiffness_N_per_m = 600;
+    wanted.stiffness_N_per_m = 700;
+    std::filesystem::remove(file());
+    {
+      KeptSettings settings(file(), scene, [](const std::string&) {});
+      Scene served = scene;
+      settings.begin(served);
+      settings.reread(wanted);
+      served.stiffness_N_per_m = 700;
+      settings.look(served, 1'000'000'000);
+      EXPECT_FALSE(std::filesystem::exists(file())) << "as the scene has it";
+      served.stiffness_N_per_m = set;
+      settings.look(served, 2'000'000'000);
+    }
+    EXPECT_EQ(next(wanted).stiffness_N_per_m, set);
+  }
+}
+
+TEST_F(Kept, IsDueNowAndThen) {
+  KeptSettings settings({}, Scene{}, [](const std::string&) {});
+  settings.begin(Scene{});
+  EXPECT_TRUE(settings.isDue(KeptSettings::kEvery_ns));
+  settings.look(Scene{}, KeptSettings::kEvery_ns);
+  EXPECT_FALSE(settings.isDue(2 * KeptSettings::kEvery_ns - 1));
+  EXPECT_TRUE(settings.isDue(2 * KeptSettings::kEvery_ns));
+}
+
+// It is tried again, and told once.
 TEST_F(Kept, AFolderThatIsNotThereIsToldOnce) {
   KeptSettings settings(folder_.path() / "none" / "settings.json", Scene{},
                         [this](const std::string& words) { said_.push_back(words); });
@@ -152,9 +246,15 @@ TEST_F(Kept, AFolderThatIsNotThereIsToldOnce) {
   for (int i = 1; i < 4; ++i) {
     served.force_limit_N = 0.1 * i;
     settings.look(served, i * 1'000'000'000LL);
-    settings.look(served, i * 1'000'000'000LL + KeptSettings::kEvery_ns - 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  std::filesystem::create_directory(folder_.path() / "none");
+  settings.look(served, 9'000'000'000LL);  // nothing has changed
+  for (int i = 0; i < 200 && !std::filesystem::exists(folder_.path() / "none" / "settings.json"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "none" / "settings.json"));
   settings.forget();
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "none" / "settings.json"));
   EXPECT_THAT(said_, ElementsAre(HasSubstr("would not outlive a crash")));
 }
 

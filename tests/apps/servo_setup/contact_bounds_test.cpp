@@ -121,7 +121,6 @@ TEST(ContactBounds, SayNothingWhereNothingIsKnownOrTheControllerActs) {
   EXPECT_TRUE(boundWarnings(settings, {}, deviceIn({}, 0, 1000)).empty());
 }
 
-// An adaptive window may be a single tick: no low-pass.
 // It is computed up to a delay, and beyond only where a warning needs it.
 TEST(ContactBounds, ALongDelayMayShakeAndWarnsOnlyIfItDoes) {
   const HandParameters hand = kTypicalHands[0].holding({.device_mass_kg = 0.05, .device_damping_Ns_per_m = 2});
@@ -140,6 +139,7 @@ TEST(ContactBounds, ALongDelayMayShakeAndWarnsOnlyIfItDoes) {
   }
 }
 
+// An adaptive window may be a single tick: no low-pass.
 TEST(ContactBounds, AnAdaptiveVelocityCountsAsItsShortestWindow) {
   LoopParameters foaw;
   foaw.velocity.name = "foaw";

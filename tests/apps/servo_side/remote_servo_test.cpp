@@ -37,6 +37,7 @@ class Silent {
     });
   }
   [[nodiscard]] Channel takeChannel() { return std::move(ours_); }
+  [[nodiscard]] Channel& theirs() { return theirs_; }
 
  private:
   Channel ours_, theirs_;
@@ -67,6 +68,37 @@ TEST(RemoteServo, OneThatDoesNotReadIsLetGo) {
   EXPECT_THAT(refusalOf([&] { static_cast<void>(servo.wait()); }, Error::Code::kDevice),
               HasSubstr("does not take what it is told"));
   EXPECT_FALSE(servo.ended(1)) << "it has taken none";
+}
+
+// Whatever else it says.
+TEST(RemoteServo, OneThatTalksOnIsNotWaitedForWithoutAnEnd) {
+  Silent silent;
+  const Scene scene;
+  RemoteServo servo(silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64});
+  const RigSettings settings;
+  servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
+  servo.start();
+  std::jthread talks([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      static_cast<void>(silent.theirs().send(encoded(wire::DeviceStateT{}), 0));
+      std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    }
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(servo.running());
+  servo.requestStop();
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(servo.wait()); }, Error::Code::kDevice), HasSubstr("does not end"));
+}
+
+TEST(RemoteServo, AMessageOfAnotherKindEndsIt) {
+  Silent silent;
+  const Scene scene;
+  RemoteServo servo(silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64});
+  const RigSettings settings;
+  servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
+  servo.start();
+  EXPECT_TRUE(silent.theirs().send(encoded(wire::LoopMadeT{}), 0));
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(servo.wait()); }), HasSubstr("a message LoopMade where none may be"));
 }
 
 TEST(RemoteServo, TellsTicksOnlyIfItWasAskedTo) {

@@ -157,5 +157,21 @@ TEST_F(Checkpoints, ThatCannotBeWrittenLeaveTheOldOne) {
   EXPECT_EQ(heldAtStart(), 10U);
 }
 
+// Twice its size, and so much that the journal beside it goes on.
+TEST(Checkpoint, LeavesRoomForTheJournal) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(roomFor(0), std::uint64_t{64} << 20U);
+  EXPECT_EQ(roomFor(3) - roomFor(1), 4U * 2048);
+  checkRoomFor(folder.path(), 1);
+  checkRoomFor(folder.path() / "none", std::size_t{1} << 50U);  // nobody knows
+  try {
+    checkRoomFor(folder.path(), std::size_t{1} << 50U);
+    ADD_FAILURE() << "there is no such disk";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kIo);
+    EXPECT_NE(std::string(error.what()).find("not to take it from the journal"), std::string::npos);
+  }
+}
+
 }  // namespace checkpoint_test
 }  // namespace palpate
