@@ -25,7 +25,7 @@ class NewestValues {
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }  // of all
   [[nodiscard]] std::vector<double> inOrder() const {                    // those that are kept, the oldest first
     std::vector<double> all = values_;
-    if (count_ > most_) std::ranges::rotate(all, all.begin() + static_cast<std::ptrdiff_t>(count_ % most_));
+    if (count_ > most_) std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count_ % most_), all.end());
     return all;
   }
 

@@ -26,7 +26,7 @@ void checkFinite(const std::string& input, std::initializer_list<double> values)
 }
 
 Vec3 finiteVector(const std::unique_ptr<wire::VectorT>& wire, const std::string& input) {
-  const Vec3 v = vectorOf(wire);
+  Vec3 v = vectorOf(wire);
   checkFinite(input, {v.x(), v.y(), v.z()});
   return v;
 }

@@ -146,7 +146,7 @@ void RigEdits::end() {
 
 RigEdits::Counts RigEdits::counts() const {
   const std::lock_guard lock(mutex_);
-  Counts counts = state_;
+  Counts counts = static_cast<const Counts&>(state_);
   counts.waiting = waiting_.size();
   return counts;
 }

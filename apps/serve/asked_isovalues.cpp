@@ -28,9 +28,10 @@ bool AskedIsovalues::refuse(const Error& refusal, std::optional<double> kept) {
   std::vector<Asked> answered;
   {
     const std::lock_guard lock(mutex_);
-    const auto end = std::ranges::stable_partition(asked_, [&](const Asked& one) { return one.isovalue == kept; });
-    answered.assign(std::move_iterator(end.begin()), std::move_iterator(end.end()));
-    asked_.erase(end.begin(), end.end());
+    const auto end =
+        std::stable_partition(asked_.begin(), asked_.end(), [&](const Asked& one) { return one.isovalue == kept; });
+    answered.assign(std::move_iterator(end), std::move_iterator(asked_.end()));
+    asked_.erase(end, asked_.end());
   }
   for (const Asked& one : answered) one.done(refusal);
   return !answered.empty();

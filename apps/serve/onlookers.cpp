@@ -2,7 +2,6 @@
 #include "apps/serve/onlookers.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
@@ -138,11 +137,8 @@ std::optional<Vec3> Onlookers::takeAim() {
     if (!one->aims_.renew()) continue;
     const PointerAimRecord aim = one->aims_.front();
     const Vec3 hip_W(aim.hip_W[0], aim.hip_W[1], aim.hip_W[2]);
-    const bool has_moved = !one->has_aimed_ || std::memcmp(&aim, &one->last_aim_, sizeof aim) != 0;
-    if (!has_moved || !hip_W.allFinite()) continue;
-    one->last_aim_ = aim;
-    one->has_aimed_ = true;
-    newest = hip_W;
+    if (!hip_W.allFinite() || one->last_aim_ == hip_W) continue;
+    newest = one->last_aim_ = hip_W;
   }
   return newest;
 }

@@ -36,8 +36,7 @@ class Onlooker : public BrushHand {
   ViewMemory memory_;
   LiveTicks ticks_;
   TripleBuffer<PointerAimRecord> aims_;
-  PointerAimRecord last_aim_;
-  bool has_aimed_ = false;
+  std::optional<Vec3> last_aim_;  // where its pointer was
   // Guarded by the list's lock:
   std::optional<ViewRequest> wanted_, seen_;  // the newest request, and the newest that could be drawn
   bool is_new_ = false;                       // it was not shown yet

@@ -150,7 +150,7 @@ void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& v
 
 std::uint64_t roomFor(std::size_t bricks) noexcept {
   constexpr std::uint64_t kForJournals = std::uint64_t{64} << 20U;
-  return 2 * kBrickVoxels * sizeof(float) * std::uint64_t{bricks} + kForJournals;
+  return 2 * sizeof(float) * std::uint64_t{kBrickVoxels} * bricks + kForJournals;
 }
 
 void checkRoomFor(const fs::path& folder, std::size_t bricks) {
