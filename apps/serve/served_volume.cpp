@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/served_volume.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <limits>
 #include <utility>
@@ -13,7 +12,6 @@
 #include "apps/render/fit_camera.hpp"
 #include "apps/rig/remote_windows.hpp"
 #include "apps/serve/flat_heap.hpp"
-#include "apps/serve/live_setting.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/touch/scripted_path.hpp"
@@ -21,7 +19,6 @@
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/thread_names.hpp"
-#include "servo/algorithms/registry.hpp"
 #include "servo/safety/faults.hpp"
 
 namespace palpate {
@@ -31,14 +28,6 @@ constexpr std::int64_t kFirstTick_ns = 5'000'000'000;
 constexpr std::chrono::milliseconds kIdle{1};
 constexpr std::chrono::milliseconds kRigLook{2};
 constexpr std::int64_t kMemoryLook_ns = 500'000'000;
-constexpr std::size_t kMostBricks = 65536;  // of a portion of another isovalue's gradients
-
-// So that what is not set cannot be told from what is usual.
-Scene withUsual(Scene scene) {
-  scene.stiffness_N_per_m = stiffnessOf(scene);
-  scene.damping_Ns_per_m = dampingOf(scene);
-  return scene;
-}
 
 Error tooManyWait(const char* what) {
   return {Error::Code::kOutOfMemory, what, "too many edits wait, or editing has ended",
@@ -54,10 +43,8 @@ Error hasEnded() {
 ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell)
     : tell_(std::move(tell)), journal_(request.journal), first_scene_(request.scene) {
   checkServable(first_scene_);
-  scene_ = withUsual(first_scene_);
-  scene_.filter = request.settings.filter;
   Scene filtered = first_scene_;
-  filtered.filter = scene_.filter;
+  filtered.filter = request.settings.filter;
   engine_ = std::make_unique<ServedEngine>(filtered, journal_, progress, tell_,
                                            [this](const Volume& volume, double isovalue) {
                                              if (hasPath(first_scene_))
@@ -66,7 +53,6 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
                                            });
   LiveVolume& live = engine_->live();
   first_isovalue_ = live.firstIsovalue();
-  scene_.isovalue = first_isovalue_;
   size_ = engine_->size();
   lattice_ = engine_->lattice();
   profile_ = live.engine().profile();
@@ -80,21 +66,6 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
                 tell_);
   takeSettings(request.settings);
   noteMemory(monotonicNow_ns());
-}
-
-// From before a crash, one by one of the right kind: whether they fit each other and this engine shows here.
-void ServedVolume::takeSettings(const Scene& settings) {
-  Scene next = withUsual(settings);
-  const bool goes_elsewhere = settings.isovalue != first_scene_.isovalue && engine_->canChangeIsovalue();
-  if (!goes_elsewhere) next.isovalue = first_isovalue_;
-  try {
-    checkFollowsEdits(next.algorithm, "servo.algorithm = " + next.algorithm);
-    checkHasGradients(next.algorithm, engine_->gradientEverywhere());
-    static_cast<void>(makeAlgorithm(settingsOf(next), RigVolume{.scale = engine_->scale()}));
-    scene_ = next;
-  } catch (const Error& error) {
-    tell_(fmt::format("settings from before are not taken: {}", error.what()));
-  }
 }
 
 ServedVolume::~ServedVolume() {
@@ -271,10 +242,6 @@ void ServedVolume::makeEngine(const Scene& scene) {
   }
 }
 
-RigSettings ServedVolume::settingsOf(const Scene& scene) const {
-  return rigSettings(scene, wantedIsovalue(scene));
-}
-
 // As long as the servo is there.
 void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   LiveVolume& live = engine_->live();
@@ -338,58 +305,6 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   lendRig(nullptr);
   rig.requestStop();
   static_cast<void>(rig.wait());
-}
-
-// Settings that changed since the rig was made are the servo's from now on.
-void ServedVolume::lendRig(TouchRig* rig) {
-  const std::lock_guard order(changers_);
-  if (rig != nullptr) rig->change(settingsOf(scene()));
-  rig_ = rig;
-}
-
-void ServedVolume::heedRig(TouchRig& rig) {
-  const double isovalue = rig.settings().parameters.isovalue;  // first: it is this one that has settled
-  if (const std::optional<Error> refusal = rig.takeRefusal()) {
-    const std::lock_guard order(changers_);
-    endIsovalue(*refusal, rig.settings().parameters.isovalue);
-    rig.change(settingsOf(scene()));  // what else was set meanwhile waited for the isovalue
-  } else if (rig.isSettled()) {
-    asked_isovalues_.reached(isovalue);
-  }
-}
-
-// One that the engine refused is not asked for again. `in_use`: what the contact is of, or will be. No change comes in
-// between.
-void ServedVolume::endIsovalue(const Error& refusal, double in_use) {
-  {
-    const std::lock_guard lock(mutex_);
-    scene_.isovalue = in_use;
-  }
-  if (!asked_isovalues_.refuse(refusal, in_use)) tell_(refusal.what());
-}
-
-double ServedVolume::wantedIsovalue(const Scene& scene) const {
-  return scene.field == "distance" ? 0 : static_cast<float>(scene.isovalue.value_or(first_isovalue_));
-}
-
-// Nobody waits for windows meanwhile.
-void ServedVolume::takeIsovalueAlone() {
-  Engine& engine = engine_->live().engine();
-  const double wanted = wantedIsovalue(scene());
-  if (wanted == engine.isovalue()) return asked_isovalues_.reached(wanted);
-  const double before = engine.isovalue();
-  try {
-    engine.beginIsovalue(wanted);
-    while (!engine.gatherIsovalue(kMostBricks, monotonicNow_ns()))
-      looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);  // it lives
-    engine.endIsovalue(wanted);
-    asked_isovalues_.reached(wanted);
-  } catch (const Error& error) {
-    if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
-    const std::lock_guard order(changers_);
-    const double newest = wantedIsovalue(scene());
-    endIsovalue(error, newest == wanted ? before : newest);
-  }
 }
 
 void ServedVolume::lookAlone() {
@@ -493,17 +408,6 @@ void ServedVolume::goTo(std::size_t done) {
   if (!edits().goTo(done)) throw tooManyWait("a place in the list of edits");
 }
 
-void ServedVolume::change(const RigSettings& settings, Done done) {
-  const Scene present = scene();
-  Scene next = withRigSettings(present, settings);
-  if (settings.parameters.isovalue == wantedIsovalue(present)) next.isovalue = present.isovalue;
-  checkLiveSettings(present, next);
-  constexpr std::size_t kMostRows = 256;  // whoever looks on is told them in one message
-  if (settings.haptization.density.size() > kMostRows || settings.haptization.gradient.size() > kMostRows)
-    refuse("haptization", fmt::format("a table has more than {} rows", kMostRows), "give fewer");
-  change(next, std::move(done));
-}
-
 ServedFacts ServedVolume::facts() const {
   ServedFacts facts{.volume = seen_volume_,
                     .device = first_scene_.device,
@@ -579,32 +483,6 @@ void ServedVolume::filter(const std::string& chain, Done done) {
 Scene ServedVolume::scene() const {
   const std::lock_guard lock(mutex_);
   return scene_;
-}
-
-void ServedVolume::change(const Scene& wanted, Done done, Awaits awaits) {
-  checkFollowsEdits(wanted.algorithm, "servo.algorithm = " + wanted.algorithm);
-  const std::lock_guard order(changers_);
-  const bool goes_elsewhere = wanted.isovalue != scene().isovalue;
-  {
-    const std::lock_guard lock(engines_);
-    if (!is_ready_) throw Error(Error::Code::kDevice, "the engine", "it is being made anew", "ask again in a moment");
-    if (goes_elsewhere && !engine_->canChangeIsovalue())
-      refuse("isovalue", "what is on the device serves the first one alone", "change it in the scene and start again");
-    if (rig_ == nullptr) {
-      checkHasGradients(wanted.algorithm, engine_->gradientEverywhere());
-      static_cast<void>(makeAlgorithm(settingsOf(wanted), RigVolume{.scale = engine_->scale()}));  // or says why not
-    }
-  }
-  if (rig_ != nullptr) rig_->change(settingsOf(wanted));
-  {
-    const std::lock_guard lock(mutex_);
-    const std::string filter = scene_.filter;
-    scene_ = wanted;
-    scene_.filter = filter;
-  }
-  if (goes_elsewhere || awaits == Awaits::kTheIsovalue)
-    return asked_isovalues_.add(wantedIsovalue(wanted), std::move(done));
-  done({});
 }
 
 }  // namespace palpate

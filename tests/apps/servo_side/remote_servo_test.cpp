@@ -44,14 +44,19 @@ class Silent {
   std::jthread answers_;  // last member: it uses the others
 };
 
-// As one that was stopped: nobody waits long for it, and it is let go.
-TEST(RemoteServo, OneThatDoesNotReadIsLetGo) {
+struct Running : testing::Test {
   Silent silent;
   const Scene scene;
-  RemoteServo servo(silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64});
   const RigSettings settings;
-  servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
-  servo.start();
+  RemoteServo servo{silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64}};
+  Running() {
+    servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
+    servo.start();
+  }
+};
+
+// As one that was stopped: nobody waits long for it, and it is let go.
+TEST_F(Running, OneThatDoesNotReadIsLetGo) {
   EXPECT_TRUE(servo.running());
 
   int given = 0;
@@ -71,13 +76,7 @@ TEST(RemoteServo, OneThatDoesNotReadIsLetGo) {
 }
 
 // Whatever else it says.
-TEST(RemoteServo, OneThatTalksOnIsNotWaitedForWithoutAnEnd) {
-  Silent silent;
-  const Scene scene;
-  RemoteServo servo(silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64});
-  const RigSettings settings;
-  servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
-  servo.start();
+TEST_F(Running, OneThatTalksOnIsNotWaitedForWithoutAnEnd) {
   std::jthread talks([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       static_cast<void>(silent.theirs().send(encoded(wire::DeviceStateT{}), 0));
@@ -90,13 +89,7 @@ TEST(RemoteServo, OneThatTalksOnIsNotWaitedForWithoutAnEnd) {
   EXPECT_THAT(refusalOf([&] { static_cast<void>(servo.wait()); }, Error::Code::kDevice), HasSubstr("does not end"));
 }
 
-TEST(RemoteServo, AMessageOfAnotherKindEndsIt) {
-  Silent silent;
-  const Scene scene;
-  RemoteServo servo(silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64});
-  const RigSettings settings;
-  servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
-  servo.start();
+TEST_F(Running, AMessageOfAnotherKindEndsIt) {
   EXPECT_TRUE(silent.theirs().send(encoded(wire::LoopMadeT{}), 0));
   EXPECT_THAT(refusalOf([&] { static_cast<void>(servo.wait()); }), HasSubstr("a message LoopMade where none may be"));
 }
