@@ -36,7 +36,7 @@ constexpr std::uint64_t kVersionsOfAnEngine = std::uint64_t{1} << 40U;  // windo
 
 class ServoHost::Impl {
  public:
-  Impl(bool stays, std::string commit) : stays_(stays), commit_(std::move(commit)) {}
+  Impl(bool stays, std::string commit, Tell tell) : stays_(stays), commit_(std::move(commit)), tell_(std::move(tell)) {}
   ~Impl() { stopLoop(); }
 
   void serve(Channel channel, const std::function<bool()>& stopped) {
@@ -296,7 +296,12 @@ class ServoHost::Impl {
   void start() {
     if (!loop_) refuseOtherVersion("the engine", "it starts what was not made");
     if (scene_.simulated_clock) return tellEnd(runSimulated());
-    if (!started_) loop_->start();
+    if (!started_) {
+      loop_->start();
+      if (stays_ && tell_) {
+        for (const std::string& note : loop_->realTime().notes) tell_(note);
+      }
+    }
     started_ = is_shared_ = true;
   }
 
@@ -370,6 +375,7 @@ class ServoHost::Impl {
 
   const bool stays_;
   const std::string commit_;
+  const Tell tell_;
   std::optional<MessageChannel> channel_;  // to the present engine
   std::uint64_t engines_ = 0;              // that it has spoken with
   MadeFor made_for_;
@@ -394,7 +400,8 @@ class ServoHost::Impl {
   bool started_ = false, is_shared_ = false, ended_ = false;
 };
 
-ServoHost::ServoHost(bool stays, std::string commit) : impl_(std::make_unique<Impl>(stays, std::move(commit))) {}
+ServoHost::ServoHost(bool stays, std::string commit, Tell tell)
+    : impl_(std::make_unique<Impl>(stays, std::move(commit), std::move(tell))) {}
 ServoHost::~ServoHost() = default;
 
 void ServoHost::serve(Channel channel, const std::function<bool()>& stopped) {

@@ -19,8 +19,10 @@ namespace palpate {
 
 class ServoHost {
  public:
-  // `commit`: of this program, which must be the engine's.
-  ServoHost(bool stays, std::string commit);
+  // `commit`: of this program, which must be the engine's. `tell`, where the servo stays: what real time a loop that
+  // begins lacks, since no result says it.
+  using Tell = std::function<void(const std::string&)>;
+  ServoHost(bool stays, std::string commit, Tell tell = {});
   ~ServoHost();  // the force goes to zero; the device is let go
 
   // Until the run that this engine asks for has ended, the engine says that it leaves, or `stopped` says so, which is

@@ -20,7 +20,7 @@ constexpr int kLooksForAnEngine = 10, kLooksAfterTrouble = 100;
 
 class ServoKeeper {
  public:
-  explicit ServoKeeper(const ServoKeeping& keeping) : keeping_(keeping), host_(true, keeping.commit) {}
+  explicit ServoKeeper(const ServoKeeping& keeping) : keeping_(keeping), host_(true, keeping.commit, keeping.tell) {}
 
   void run() {
     while (!keeping_.stopped()) {

@@ -104,6 +104,8 @@ class ServoLoop {
   // has begun.
   void start();
   [[nodiscard]] LoopResult wait();
+  // What the system gave when start() returned; of the thread that called it.
+  [[nodiscard]] const RealTimeStatus& realTime() const noexcept { return real_time_; }
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
 
   // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force is

@@ -3,11 +3,16 @@
 // kernel's account of each of its threads, while it holds a contact.
 #include <fstream>
 #include <map>
+#include <thread>
 
 #include <linux/capability.h>
+#include <sched.h>
+#include <sys/mman.h>
 
 #include "service/sandbox/call_filter.hpp"
 #include "service_processes.hpp"
+#include "servo/loop/real_time.hpp"
+#include "servo/loop/servo_loop.hpp"
 
 namespace palpate {
 namespace servo_rights_test {
@@ -51,6 +56,12 @@ class ServoRights : public ServiceTest {
     }
     EXPECT_GE(threads, 2);
   }
+  // How the loop's thread is scheduled; -1: there is none.
+  static int loopPolicy(pid_t process) {
+    for (const auto& task : std::filesystem::directory_iterator(fmt::format("/proc/{}/task", process)))
+      if (statusOf(task.path())["Name"] == "servo") return sched_getscheduler(std::stoi(task.path().filename()));
+    return -1;
+  }
   // The servo of `parent`; 0: it has none yet.
   static pid_t servoOf(pid_t parent) {
     std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", parent));
@@ -59,6 +70,38 @@ class ServoRights : public ServiceTest {
     return 0;
   }
 };
+
+// Real time stays, where this user may have it: by the kernel's account, else by the servo's own words.
+TEST_F(ServoRights, RealTimeIsNotGivenUp) {
+  RealTimeStatus may;
+  std::thread([&] { may = becomeRealTime(LoopParameters{}.priority); }).join();
+  munlockall();
+  serve({kSphere, "--path", "press.csv"});
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("servo.log"));
+  const std::string said = contentsOf(file("servo.log"));
+  EXPECT_EQ(loopPolicy(servo.id()) == SCHED_FIFO, may.fifo) << said;
+  EXPECT_EQ(said.find("no real-time priority") == std::string::npos, may.fifo) << said;
+  EXPECT_EQ(said.find("memory not locked") == std::string::npos, may.memory_locked) << said;
+  EXPECT_EQ(statusOf(fmt::format("/proc/{}", servo.id()))["VmLck"].find(" 0 kB") == std::string::npos,
+            may.memory_locked);
+}
+
+// One that may not have it says so, once for a loop, and what to do.
+TEST_F(ServoRights, MissingRealTimeIsTold) {
+  serve({kSphere, "--path", "press.csv"});
+  Words command = {"--rtprio=0", "--memlock=0"};
+  if (geteuid() == 0) command = command + Words{"setpriv", "--bounding-set", "-sys_nice,-ipc_lock,-sys_resource"};
+  servo = RunningProgram("/usr/bin/prlimit", command + Words{PALPATE_PROGRAM, "servo"}, folder(), "servo.log");
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("servo.log"));
+  EXPECT_NE(loopPolicy(servo.id()), SCHED_FIFO);
+  for (const char* words : {"servo: no real-time priority (SCHED_FIFO ", "servo: memory not locked: "}) {
+    const std::string said = contentsOf(file("servo.log"));
+    const std::size_t first = said.find(words);
+    EXPECT_NE(first, std::string::npos) << said;
+    EXPECT_EQ(said.find(words, first + 1), std::string::npos) << said;
+  }
+}
 
 TEST_F(ServoRights, AreGivenUpByOneThatStays) {
   serve({kSphere, "--path", "press.csv"});
