@@ -26,6 +26,7 @@
 #include <unistd.h>
 
 #include "servo/devices/placed_device.hpp"
+#include "servo/safety/safety_gate.hpp"
 #include "tests/hid/emulated_reports.hpp"
 
 namespace palpate {
@@ -266,16 +267,35 @@ class Emulated {
   [[nodiscard]] bool wasUnplugged() const { return !there_; }
 
   // How far a force rose above what the slew limit allows in the time since the report before, and in the servo's tick
-  // that may lie beside it.
+  // that may lie beside it. After a stall of the servo it must begin at nothing, since the arm's own watchdog may have
+  // cut what there was; so no time beyond that of a stall counts.
   [[nodiscard]] double beyondSlew_N() const {
+    const double stall_s = SafetyParameters{}.stall_s;
     double most_N = 0;
     for (std::size_t i = 1; i < std::min(times_us_.size(), arm_->forces_D().size()); ++i) {
       const Vec3& force = arm_->forces_D()[i];
-      const double time_s = 1e-6 * static_cast<double>(times_us_[i] - times_us_[i - 1]) + 1 / options_.rate_hz;
-      if (force.norm() > 0)
-        most_N = std::max(most_N, (force - arm_->forces_D()[i - 1]).norm() - options_.slew_N_per_s * time_s);
+      const double gap_s = 1e-6 * static_cast<double>(times_us_[i] - times_us_[i - 1]);
+      const double time_s = std::min(gap_s, stall_s) + 1 / options_.rate_hz;
+      const double rise_N = std::min((force - arm_->forces_D()[i - 1]).norm(), force.norm());
+      most_N = std::max(most_N, rise_N - options_.slew_N_per_s * time_s);
     }
     return most_N;
+  }
+  // The longest time without any force after the first one [s].
+  [[nodiscard]] double longestWithout_s() const {
+    double longest_s = 0;
+    std::int64_t since_us = -1;  // below 0: there is a force
+    bool pressed = false;
+    for (std::size_t i = 0; i < std::min(times_us_.size(), arm_->forces_D().size()); ++i) {
+      if (arm_->forces_D()[i].norm() > 0) {
+        pressed = true;
+        since_us = -1;
+      } else if (pressed) {
+        if (since_us < 0) since_us = times_us_[i];
+        longest_s = std::max(longest_s, 1e-6 * static_cast<double>(times_us_[i] - since_us));
+      }
+    }
+    return longest_s;
   }
 
   // What the arm did, and what it goes on to do when nobody writes any more.
@@ -296,9 +316,9 @@ class Emulated {
     arm_->passSilence(0.2);
     return fmt::format(
         "{} reports {} force_max_N {} force_rise_max_N {} faults {} left_400ms_N {} left_600ms_N {} silent {} extra {} "
-        "spoiled {} force_after_unplugging_max_N {} beyond_slew_N {}\n",
+        "spoiled {} force_after_unplugging_max_N {} beyond_slew_N {} without_s {}\n",
         name_, reports_, largest_N, slew_N, reports_of_->faults(), before_N, arm_->force_D().norm(),
-        reports_of_->silent(), reports_of_->extra(), reports_of_->spoiled(), later_N, beyond_N);
+        reports_of_->silent(), reports_of_->extra(), reports_of_->spoiled(), later_N, beyond_N, longestWithout_s());
   }
 
  private:

@@ -33,7 +33,9 @@ constexpr const char* kIntroduction =
     "are "
     "killed (`kill -9`) or stopped for up to 0.7 s (SIGSTOP), or the engine's Vulkan device is lost, at random "
     "moments, while the arm presses on a sphere and "
-    "clients edit. After each, the time is measured from the moment at which what died was started again until the "
+    "clients edit. After each, the time is measured from the moment at which what died was started again (or the "
+    "device was told to "
+    "fail) until the "
     "engine answers and the servo reads its windows. In the end every edit that was answered must be in the volume; "
     "the forces are those that the arms took, by their own account.";
 
@@ -49,7 +51,8 @@ int numberFrom(const char* name, int usual) {
 
 struct Event {
   std::string what;
-  double back_s = 0;  // until all that live have found each other
+  Clock::time_point since = Clock::now();  // what died has been started again, or what stays has met its failure
+  double back_s = 0;                       // until all that live have found each other
 };
 
 class HidServiceKills : public EmulatedHid {
@@ -104,13 +107,13 @@ class HidServiceKills : public EmulatedHid {
     const Outcome outcome = run({"ctl", "status"});
     return outcome.status == 0 ? nlohmann::json::parse(outcome.out) : nlohmann::json();
   }
-  // Until the engine answers and the servo reads windows of this engine. Empty: never.
-  [[nodiscard]] std::optional<double> awaitAll() const {
+  // Until the engine answers and the servo reads windows of this engine: since when, in seconds. Empty: never.
+  [[nodiscard]] std::optional<double> awaitAll(Clock::time_point since = Clock::now()) const {
     const auto begin = Clock::now();
     while (Clock::now() - begin < std::chrono::seconds(60)) {
       const nlohmann::json now = status();
       if (now.is_object() && now["servo"] == 1 && now["windows"] > 0 && now["pose_age_ms"] < 100)
-        return std::chrono::duration<double>(Clock::now() - begin).count();
+        return std::chrono::duration<double>(Clock::now() - since).count();
       std::this_thread::sleep_for(milliseconds(20));
     }
     return std::nullopt;
@@ -133,6 +136,7 @@ class HidServiceKills : public EmulatedHid {
     const Vec3 place_W = nextPlace();
     RunningProgram client(PALPATE_PROGRAM, {"ctl", "edit", editAt(place_W)}, folder(), "client.log");  // meanwhile
     pause(0, 40);
+    Clock::time_point since;
     switch (pick(0, 6)) {
       case 0:
       case 1:
@@ -158,25 +162,30 @@ class HidServiceKills : public EmulatedHid {
       case 5:
         // At the next submission, whose ever it is. The engine is made anew in the same process.
         write("fault", "submit -4 0");
+        since = Clock::now();
         edit();
         for (int look = 0; look < 500 && exists("fault"); ++look) std::this_thread::sleep_for(milliseconds(10));
         EXPECT_FALSE(exists("fault")) << "the device was not lost";
         EXPECT_FALSE(engine_.hasEnded()) << contentsOf(file("serve.log"));
-        return {"Vulkan device lost"};
+        return {"Vulkan device lost", since};
       default:
         client.end(SIGKILL);
         return {"client killed"};
     }
   }
 
-  // What every arm took, as it says itself once its program has ended.
+  // What an arm took, as it says itself once its program has ended.
+  [[nodiscard]] std::map<std::string, double> figuresOfArm(int number) const {
+    std::istringstream in(contentsOf(file("arm" + std::to_string(number))));
+    std::map<std::string, double> figures;
+    std::string key;
+    in >> key;
+    for (double value = 0; in >> key >> value;) figures[key] = value;
+    return figures;
+  }
   void expectSafeForces() {
     for (int number = 1; number <= servos_; ++number) {
-      std::istringstream in(contentsOf(file("arm" + std::to_string(number))));
-      std::map<std::string, double> figures;
-      std::string key;
-      in >> key;
-      for (double value = 0; in >> key >> value;) figures[key] = value;
+      std::map<std::string, double> figures = figuresOfArm(number);
       ASSERT_GT(figures["reports"], 0) << number;
       EXPECT_LE(figures["force_max_N"], kForceLimit_N + kRounding_N) << number;
       EXPECT_LE(figures["beyond_slew_N"], kRounding_N) << number;
@@ -235,6 +244,33 @@ void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t
                 {.title = "What a service survives", .introduction = kIntroduction, .tables = table, .chart = {}}));
 }
 
+// By the arm's account: while the engine says nothing there is no force, and it comes back without a jump.
+TEST_F(HidServiceKills, WithoutAnEngineThereIsNoForce) {
+  writeWay("phantom:sphere?size=64", 4, 2, 0.7);
+  const auto presses = [this] {
+    for (int look = 0; look < 1000; ++look) {
+      if (const nlohmann::json now = status(); now.is_object() && now["force_N"] > 0.3) return true;
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    return false;
+  };
+  for (const bool is_killed : {false, true}) {
+    serve();
+    join();
+    ASSERT_TRUE(presses()) << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+    is_killed ? static_cast<void>(engine_.end(SIGKILL)) : engine_.send(SIGSTOP);
+    std::this_thread::sleep_for(milliseconds(1500));
+    is_killed ? serve() : engine_.send(SIGCONT);
+    ASSERT_TRUE(presses()) << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+    signalServo(SIGTERM);
+    for (int look = 0; look < 500 && !arm_.hasEnded(); ++look) std::this_thread::sleep_for(milliseconds(10));
+    // 1.5 s less the age of a stale window (0.1 s), the fade (0.05 s), and the slew's way down from the limit.
+    EXPECT_GT(figuresOfArm(servos_)["without_s"], 1.3) << is_killed;
+    engine_.end(SIGKILL);
+  }
+  expectSafeForces();
+}
+
 TEST_F(HidServiceKills, NothingAnsweredIsLostAndNoForceIsUnsafe) {
   writeWay("phantom:sphere?size=64", 4, 2, 0.7);
   serve();
@@ -245,7 +281,7 @@ TEST_F(HidServiceKills, NothingAnsweredIsLostAndNoForceIsUnsafe) {
     for (int edits = pick(0, 2); edits > 0; --edits) edit();
     pause(0, 200);
     Event event = trouble();
-    const std::optional<double> back_s = awaitAll();
+    const std::optional<double> back_s = awaitAll(event.since);
     ASSERT_TRUE(back_s) << event.what << "\n" << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
     event.back_s = *back_s;
     events.push_back(event);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -18,6 +19,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <sys/wait.h>
 
 #include "tests/support/open_descriptors.hpp"
 #include "tests/support/refusal.hpp"
@@ -205,6 +207,62 @@ TEST_F(Listening, IsForThisUserAlone) {
   ASSERT_EQ(stat(path().c_str(), &facts), 0);
   EXPECT_TRUE(S_ISSOCK(facts.st_mode));
   EXPECT_EQ(facts.st_mode & 0777U, 0600U);
+}
+
+// Whatever the rights of folder and socket say.
+class OtherUsers : public Listening {
+ protected:
+  static constexpr uid_t kNobody = 65534;
+  void SetUp() override {
+    if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
+    Listening::SetUp();
+    std::filesystem::permissions(folder_, std::filesystem::perms::all);
+  }
+  // A process of another user; its end is awaited. 0: `work` returned true.
+  static int asNobody(const std::function<bool()>& work) {
+    const pid_t child = fork();
+    if (child == 0) {
+      bool done = setgid(kNobody) == 0 && setuid(kNobody) == 0;
+      try {
+        done = done && work();
+      } catch (const std::exception&) {
+        done = false;
+      }
+      _exit(done ? 0 : 1);
+    }
+    int status = -1;
+    waitpid(child, &status, 0);
+    return status;
+  }
+};
+
+TEST_F(OtherUsers, AreNotServed) {
+  Listener listener(path());
+  std::filesystem::permissions(path(), std::filesystem::perms::all);
+  // It gets through to the socket: root may listen there for everybody.
+  EXPECT_EQ(asNobody([this] { return connectTo(path()).open(); }), 0);
+  EXPECT_FALSE(listener.accept().open());
+  const Channel ours = connectTo(path());
+  EXPECT_TRUE(listener.accept().open());
+}
+
+TEST_F(OtherUsers, AreNotConnectedTo) {
+  int ready[2], done[2];
+  ASSERT_EQ(pipe(ready) | pipe(done), 0);
+  std::thread other([&] {
+    EXPECT_EQ(asNobody([&] {
+                const Listener listener(path());
+                char byte = 0;
+                return write(ready[1], "r", 1) == 1 && read(done[0], &byte, 1) == 1;
+              }),
+              0);
+  });
+  char byte = 0;
+  EXPECT_EQ(read(ready[0], &byte, 1), 1);
+  EXPECT_THAT(refusalOf([this] { static_cast<void>(connectTo(path())); }), HasSubstr("user 65534 listens there"));
+  EXPECT_EQ(write(done[1], "d", 1), 1);
+  other.join();
+  for (const int end : {ready[0], ready[1], done[0], done[1]}) close(end);
 }
 
 TEST_F(Listening, TakesThePlaceOfOneThatDied) {
