@@ -1,14 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
-// A message of one process of a service to another. What is accepted is a message again when it is sent on.
+// A message of one process of a service to another, and what its reader makes of it. What is accepted is a message
+// again when it is sent on.
 #include "service/messages/message.hpp"
 
+#include <optional>
+
+#include "apps/onlook/onlook_messages.hpp"
+#include "apps/servo_side/wire_settings.hpp"
 #include "fuzz_target.hpp"
 
+namespace {
+
+using namespace palpate;
+
+// What comes out of a message goes into one again, and comes out as before.
+template <typename Wire, typename Read>
+void readAgain(const Wire& wire, Read read) {
+  std::optional<decltype(read(wire))> value;
+  try {
+    value = read(wire);
+  } catch (const Error& error) {
+    fuzz::require(!error.reason().empty() && !error.remedy().empty(), "a message lacks a part");
+    return;
+  }
+  fuzz::mustAccept("what was read is refused", [&] { static_cast<void>(read(wireOf(*value))); });
+}
+
+void readParts(wire::BodyUnion& body) {
+  if (const auto* const ask = contentOf<wire::AskT>(body)) {
+    readAgain(ask->view, viewOf);
+    readAgain(ask->settings, [](const auto& wire) { return settingsOf(wire); });
+  } else if (const auto* const answer = contentOf<wire::AnswerT>(body)) {
+    readAgain(answer->facts, factsOf);
+    readAgain(answer->looked, lookedOf);
+    if (answer->refusal) static_cast<void>(errorOf(*answer->refusal));
+  } else if (const auto* const change = contentOf<wire::ChangeT>(body)) {
+    readAgain(change->settings, [](const auto& wire) { return settingsOf(wire); });
+  } else if (const auto* const loop = contentOf<wire::MakeLoopT>(body)) {
+    readAgain(loop->settings, [](const auto& wire) { return settingsOf(wire); });
+  }
+}
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace palpate;
   const std::span<const std::byte> bytes(reinterpret_cast<const std::byte*>(data), size);
   wire::BodyUnion body;
   if (!fuzz::accepts("the servo", [&] { body = decoded(bytes, "the servo"); })) return 0;
+  readParts(body);
   const std::string kind = kindOf(body);
   const std::vector<std::byte> again = encodedBody(std::move(body));
   fuzz::mustAccept("its own bytes are refused", [&] {
