@@ -4,9 +4,13 @@
 
 #include <string>
 
+#include "base/error.hpp"
+
 namespace palpate {
 
-// Throws Error(kBadInput), with the remedy to start programs of one version.
+// Error(kBadInput), with the remedy to start programs of one version.
+[[nodiscard]] Error otherVersion(const std::string& input, const std::string& reason);
+// Throws it.
 [[noreturn]] void refuseOtherVersion(const std::string& input, const std::string& reason);
 
 }  // namespace palpate

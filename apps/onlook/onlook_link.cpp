@@ -85,8 +85,7 @@ void OnlookLink::ask(wire::Verb verb, std::vector<std::string> words, std::strin
       messages_.push_back(fmt::format("{}: the service does not answer; ask again when it does", what));
       return;
     }
-    Waiting one{.ask = {}, .open = {verb, std::move(what), errand}};
-    one.ask.verb = verb;
+    Waiting one{.ask = asking(verb), .open = {verb, std::move(what), errand}};
     one.ask.words = std::move(words);
     waiting_.push_back(std::move(one));
   }
@@ -109,9 +108,8 @@ OnlookLink::News OnlookLink::look() {
 // A service that has just been started listens, and answers when its volume is there.
 std::unique_ptr<MessageChannel> OnlookLink::join(const std::function<void()>& while_waiting) {
   auto channel = std::make_unique<MessageChannel>(connectTo(socket_), "the service");
-  wire::AskT ask;
+  wire::AskT ask = asking(wire::Verb::LookOn);
   ask.number = ++asked_;
-  ask.verb = wire::Verb::LookOn;
   channel->send(std::move(ask));
   std::optional<MessageChannel::Received> received;
   while (!received) {
@@ -231,20 +229,17 @@ void OnlookLink::sendWaiting(MessageChannel& channel) {
   }
   for (Waiting& one : waiting) send(channel, std::move(one.ask), std::move(one.open));
   if (view) {
-    wire::AskT ask;
-    ask.verb = wire::Verb::Show;
+    wire::AskT ask = asking(wire::Verb::Show);
     ask.view = wireOf(*view);
     send(channel, std::move(ask), {wire::Verb::Show, "the view"});
   }
   if (settings) {
-    wire::AskT ask;
-    ask.verb = wire::Verb::Change;
+    wire::AskT ask = asking(wire::Verb::Change);
     ask.settings = wireOf(*settings);
     send(channel, std::move(ask), {wire::Verb::Change, "the settings"});
   }
   if (!looks) return;
-  wire::AskT ask;
-  ask.verb = wire::Verb::Look;
+  wire::AskT ask = asking(wire::Verb::Look);
   if (known_steps_) ask.words.push_back(std::to_string(*known_steps_));
   send(channel, std::move(ask), {wire::Verb::Look, "how it goes"});
 }

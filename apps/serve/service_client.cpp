@@ -23,9 +23,8 @@ ServiceAnswer ServiceClient::ask(wire::Verb verb, std::vector<std::string> words
 }
 
 std::optional<ServiceAnswer> ServiceClient::tryToAsk(wire::Verb verb, std::vector<std::string> words, int most_ms) {
-  wire::AskT ask;
+  wire::AskT ask = asking(verb);
   ask.number = ++asked_;
-  ask.verb = verb;
   ask.words = std::move(words);
   channel_.send(std::move(ask));
   for (int waited_ms = 0; waited_ms < most_ms; waited_ms += kAskLook_ms) {

@@ -79,6 +79,13 @@ wire::BodyUnion decoded(std::span<const std::byte> bytes, const std::string& fro
   return std::move(message->body);
 }
 
+wire::AskT asking(wire::Verb verb) {
+  wire::AskT ask;
+  ask.verb = verb;
+  ask.protocol = kProtocol;
+  return ask;
+}
+
 std::string kindOf(const wire::BodyUnion& body) {
   return wire::EnumNameBody(body.type);
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
@@ -29,6 +30,11 @@ template <class Content>
 // Throws Error(kBadInput), which names `from`, for bytes that are no message, or one of a kind that this program does
 // not know.
 [[nodiscard]] wire::BodyUnion decoded(std::span<const std::byte> bytes, const std::string& from);
+
+// Of questions and answers, raised whenever what they mean changes.
+inline constexpr std::uint32_t kProtocol = 1;
+// A question of this program, still without its number and words.
+[[nodiscard]] wire::AskT asking(wire::Verb verb);
 
 // The content of a message if it is of this kind, else null.
 template <class Content>

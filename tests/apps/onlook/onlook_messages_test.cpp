@@ -215,7 +215,7 @@ TEST(OnlookMessages, OfAViewComeOutAsTheyWere) {
   for (unsigned seed = 0; seed < 200; ++seed) {
     Seeded random(seed);
     const ViewRequest view = anyView(random);
-    wire::AskT ask;
+    wire::AskT ask = asking(wire::Verb::Show);
     ask.view = wireOf(view);
     EXPECT_EQ(viewOf(sent(std::move(ask)).view), view) << seed;
   }

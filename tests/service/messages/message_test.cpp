@@ -34,9 +34,8 @@ std::vector<std::byte> withOneWord(std::size_t length, std::size_t times) {
 }
 
 TEST(Message, ComesBackAsItWasSent) {
-  wire::AskT ask;
+  wire::AskT ask = asking(wire::Verb::Edit);
   ask.number = 7;
-  ask.verb = wire::Verb::Edit;
   for (int i = 0; i < 1000; ++i) ask.words.push_back(std::string(static_cast<std::size_t>(i % 60), 'w'));
   ask.words.emplace_back();
   const std::vector<std::string> words = ask.words;
@@ -45,6 +44,7 @@ TEST(Message, ComesBackAsItWasSent) {
   ASSERT_NE(back, nullptr);
   EXPECT_EQ(back->number, 7U);
   EXPECT_EQ(back->verb, wire::Verb::Edit);
+  EXPECT_EQ(back->protocol, kProtocol);
   EXPECT_EQ(back->words, words);
 }
 
