@@ -157,18 +157,21 @@ void LiveVolume::save(const std::string& file, double isovalue, std::function<vo
   const std::uint64_t content = edits_->counts().content_version;
   const bool is_volume = isVolumeFileName(file);
   const auto promise = std::make_shared<SavePromise>(*this, request.out, std::move(done));
-  static_cast<void>(edits_->errand([this, promise, request, content, is_volume](const Volume& volume, std::uint64_t) {
-    try {
-      Progress silent(nullptr);
-      AtomicFile target(request.out);
-      const ConvertResult result = writeOutput(volume, request, work_, target, silent);
-      target.commit();
-      if (is_volume) saved_version_ = std::max(saved_version_.load(), content);
-      promise->keep({true, convertWords(request, result)});
-    } catch (const std::exception& error) {
-      promise->keep({false, fmt::format("{} was not written: {}", request.out, error.what())});
-    }
-  }));
+  const bool is_taken =
+      edits_->errand([this, promise, request, content, is_volume](const Volume& volume, std::uint64_t) {
+        try {
+          Progress silent(nullptr);
+          AtomicFile target(request.out);
+          const ConvertResult result = writeOutput(volume, request, work_, target, silent);
+          target.commit();
+          if (is_volume) saved_version_ = std::max(saved_version_.load(), content);
+          promise->keep({true, convertWords(request, result)});
+        } catch (const std::exception& error) {
+          promise->keep({false, fmt::format("{} was not written: {}", request.out, error.what())});
+        }
+      });
+  if (!is_taken)
+    promise->keep({false, fmt::format("{} was not written: too many edits wait, or editing has ended", request.out)});
 }
 
 bool LiveVolume::isUnsaved() const {
@@ -184,7 +187,7 @@ void LiveVolume::close(KeepJournal keep) {
   const bool keeps = keep == KeepJournal::kIfUnsaved ? unsaved : keep == KeepJournal::kAlways;
   if (!journal_.empty() && !keeps) removeJournal(journal_);
   const JournalWriter* journal = session_->journal();
-  if (unsaved && journal != nullptr && !journal->failure().empty()) {
+  if (unsaved && keep != KeepJournal::kNever && journal != nullptr && !journal->failure().empty()) {
     throw Error(Error::Code::kIo, journal_.string(), "edits are lost that no file holds: " + journal->failure(),
                 "'palpate recover' brings back those before");
   }

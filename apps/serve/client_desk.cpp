@@ -194,6 +194,11 @@ void ClientDesk::greet(Client& client, const wire::HelloT& hello) {
 }
 
 void ClientDesk::take(Client& client, const wire::AskT& ask) {
+  if (ask.protocol != kProtocol) {
+    const Error other = otherVersion(
+        "the question", fmt::format("its program speaks number {} of the protocol, not {}", ask.protocol, kProtocol));
+    return answerNow(client, answerOf(ask.number, other, {}));
+  }
   if (ask.verb == wire::Verb::Status) return askForStatus(ask, client);
   if (ask.verb == wire::Verb::LookOn || ask.verb == wire::Verb::Look) return letLookOn(ask, client);
   const Answer done = answerTo(client, ask);
@@ -375,24 +380,25 @@ void ClientDesk::askForPicture(const wire::AskT& ask, const Client& client) {
   if (width < 16 || height < 16 || width > kMostPixels || height > kMostPixels)
     refuse("the picture", fmt::format("it has 16 to {} pixels along a side", kMostPixels), "name other sizes");
   checkWritable(file);
-  served_.render(
-      width, height,
-      [this, file, number = client.number, asked = ask.number](RenderedImage image, const std::string& failure) {
-        const auto kept = std::make_shared<const RenderedImage>(std::move(image));
-        packer_.add([this, file, kept, failure, number, asked] {
-          std::optional<Error> refusal;
-          try {
-            if (!failure.empty()) throw Error(Error::Code::kDevice, "the picture", failure, "ask again");
-            writePicture(file, *kept);
-          } catch (const Error& error) {
-            refusal = error;
-          } catch (const std::exception& error) {
-            refusal = Error(Error::Code::kOutOfMemory, "the picture", error.what(), "ask for a smaller one");
-          }
-          const std::string words = fmt::format("{}: {} x {} pixels", file, kept->width, kept->height);
-          answer(number, [asked, refusal, words] { return answerOf(asked, refusal, refusal ? "" : words); });
-        });
-      });
+  served_.render(width, height,
+                 [this, file, number = client.number, asked = ask.number](const PictureQueue::Picture& picture,
+                                                                          const std::string& failure) {
+                   packer_.add([this, file, picture, failure, number, asked] {
+                     std::optional<Error> refusal;
+                     try {
+                       if (!picture) throw Error(Error::Code::kDevice, "the picture", failure, "ask again");
+                       writePicture(file, *picture);
+                     } catch (const Error& error) {
+                       refusal = error;
+                     } catch (const std::exception& error) {
+                       refusal = Error(Error::Code::kOutOfMemory, "the picture", error.what(), "ask for a smaller one");
+                     }
+                     const std::string words =
+                         refusal ? std::string()
+                                 : fmt::format("{}: {} x {} pixels", file, picture->width, picture->height);
+                     answer(number, [asked, refusal, words] { return answerOf(asked, refusal, words); });
+                   });
+                 });
 }
 
 void ClientDesk::askForStatus(const wire::AskT& ask, Client& client) {

@@ -19,6 +19,7 @@ namespace palpate {
 namespace {
 
 constexpr std::uint64_t kMostBytes = std::uint64_t{4} << 20U;
+constexpr const char* kIsovalue = "isovalue";
 constexpr const char* kFilter = "filter";  // may change, too, but with a new engine
 
 // Of the keys that may be kept.
@@ -32,19 +33,36 @@ std::string textOf(const Scene& scene, const std::string& key) {
   return optionText(optionOfKey(key)->value, scene);
 }
 
+// A table without rows, which no flag can give, but a window.
+const TableOption* tableOf(const std::string& key) {
+  return std::get_if<TableOption>(&optionOfKey(key)->value);
+}
+
 void setIn(Scene& scene, const std::string& key, const std::string& text) {
-  if (key == kFilter && text.empty()) {
-    scene.filter.clear();
-  } else {
-    const SceneOption& option = *optionOfKey(key);
-    setOption(option.value, text, key, scene, option.unit);
-  }
+  if (key == kFilter && text.empty()) return scene.filter.clear();
+  if (const TableOption* const table = tableOf(key); table != nullptr && text.empty())
+    return (scene.*table->member).clear();
+  const SceneOption& option = *optionOfKey(key);
+  setOption(option.value, text, key, scene, option.unit);
+}
+
+// A file's name may have any bytes.
+std::string inUtf8(const nlohmann::json& json) {
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+std::string inUtf8(const std::string& text) {
+  return nlohmann::json::parse(inUtf8(nlohmann::json(text))).get<std::string>();
 }
 
 }  // namespace
 
 KeptSettings::KeptSettings(std::filesystem::path file, const Scene& scene, Tell tell)
-    : file_(std::move(file)), tell_(std::move(tell)), users_(scene), taken_(scene), writer_("settings") {
+    : file_(std::move(file)),
+      volume_(inUtf8(scene.volume)),
+      tell_(std::move(tell)),
+      users_(scene),
+      taken_(scene),
+      writer_("settings") {
   std::error_code ignored;
   if (file_.empty() || !std::filesystem::exists(file_, ignored)) return;
   try {
@@ -73,9 +91,9 @@ void KeptSettings::check(const std::function<void(const Scene&)>& fits) {
 void KeptSettings::take(const std::string& text) {
   const nlohmann::json file = nlohmann::json::parse(text);
   const auto volume = file.at("volume").get<std::string>();
-  if (volume != users_.volume) return takeNone(fmt::format("they are of {}", volume));
+  if (volume != volume_) return takeNone(fmt::format("they are of {}", volume));
   const nlohmann::json& all = file.at("settings");
-  std::vector<std::string> taken, overtaken;
+  std::vector<std::string> overtaken;
   for (const std::string& key : keys()) {
     if (!all.contains(key)) continue;
     const Setting one{all.at(key).at("scene").get<std::string>(), all.at(key).at("set").get<std::string>()};
@@ -85,18 +103,24 @@ void KeptSettings::take(const std::string& text) {
     }
     setIn(taken_, key, one.set);
     kept_[key] = one;
-    taken.push_back(fmt::format("{} = {}", key, one.set));
   }
-  if (!taken.empty()) tell_(fmt::format("settings from before are taken again: {}", fmt::join(taken, ", ")));
+  overtaken_ = fmt::format("{}", fmt::join(overtaken, ", "));
   file_differs_ = !overtaken.empty();
-  if (!overtaken.empty())
-    tell_(fmt::format("settings from before are not taken, as the scene has changed: {}", fmt::join(overtaken, ", ")));
 }
 
 void KeptSettings::begin(const Scene& served) {
   at_start_ = served;
-  for (const auto& [key, one] : kept_)
-    if (textOf(served, key) == one.set) told_.insert(key);
+  std::vector<std::string> taken, left_out;
+  for (const auto& [key, one] : kept_) {
+    const bool is_taken = textOf(served, key) == one.set;
+    if (is_taken) told_.insert(key);
+    (is_taken ? taken : left_out).push_back(fmt::format("{} = {}", key, one.set));
+  }
+  if (!taken.empty()) tell_(fmt::format("settings from before are taken again: {}", fmt::join(taken, ", ")));
+  if (!left_out.empty())
+    tell_(fmt::format("settings from before are not taken, as they cannot be here: {}", fmt::join(left_out, ", ")));
+  if (!overtaken_.empty())
+    tell_(fmt::format("settings from before are not taken, as the scene has changed: {}", overtaken_));
 }
 
 void KeptSettings::reread(const Scene& wanted) {
@@ -105,21 +129,25 @@ void KeptSettings::reread(const Scene& wanted) {
   at_start_ = withLiveSettings(at_start_, wanted, others);
 }
 
-KeptSettings::Settings KeptSettings::changed(const Scene& served) const {
+KeptSettings::Settings KeptSettings::changed(const Scene& served, bool isovalue_is_felt) const {
   Settings settings;
   for (const std::string& key : keys()) {
+    if (key == kIsovalue && !isovalue_is_felt) {
+      if (const auto before = kept_.find(key); before != kept_.end()) settings.insert(*before);
+      continue;
+    }
     const std::string now = textOf(served, key), in_scene = textOf(users_, key);
     const bool is_told = now != textOf(at_start_, key) || told_.contains(key);
-    const bool can_be_said = !now.empty() || key == kFilter;
+    const bool can_be_said = !now.empty() || key == kFilter || tableOf(key) != nullptr;
     if (is_told && can_be_said && now != in_scene) settings[key] = {in_scene, now};
   }
   return settings;
 }
 
-void KeptSettings::look(const Scene& served, std::int64_t now_ns) {
+void KeptSettings::look(const Scene& served, std::int64_t now_ns, bool isovalue_is_felt) {
   looked_at_ns_ = now_ns;
   if (file_.empty() || !writer_.idle()) return;
-  Settings settings = changed(served);
+  Settings settings = changed(served, isovalue_is_felt);
   if (settings == kept_ && !file_differs_.exchange(false)) return;
   kept_ = std::move(settings);
   writer_.add([this, settings = kept_] { write(settings); });
@@ -128,9 +156,9 @@ void KeptSettings::look(const Scene& served, std::int64_t now_ns) {
 void KeptSettings::write(const Settings& settings) {
   nlohmann::json all = nlohmann::json::object();
   for (const auto& [key, one] : settings) all[key] = {{"scene", one.in_scene}, {"set", one.set}};
-  const nlohmann::json file = {{"volume", users_.volume}, {"settings", all}};
+  const nlohmann::json file = {{"volume", volume_}, {"settings", all}};
   try {
-    writeFileAtomically(file_, file.dump(2) + "\n");
+    writeFileAtomically(file_, inUtf8(file) + "\n");
   } catch (const std::exception& error) {
     file_differs_ = true;
     if (!std::exchange(was_told_, true)) tell_(fmt::format("what is set would not outlive a crash: {}", error.what()));

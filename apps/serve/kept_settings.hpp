@@ -33,14 +33,18 @@ class KeptSettings {
   [[nodiscard]] const Scene& taken() const noexcept { return taken_; }
   // Nothing is taken if this throws for taken(), which is told.
   void check(const std::function<void(const Scene&)>& fits);
+  // The same, told: nothing of it is taken.
+  void takeNone(const std::string& why);
   // The scene as the service begins with it: with what it has chosen where the user leaves it to the program, and
-  // perhaps without some of taken(). Before look().
+  // perhaps without some of taken(). Tells what is in effect, and what is not. Before look().
   void begin(const Scene& served);
   // The user's scene was read again, and its settings are in effect.
   void reread(const Scene& wanted);
   [[nodiscard]] bool isDue(std::int64_t now_ns) const noexcept { return now_ns - looked_at_ns_ >= kEvery_ns; }
-  // When it is due: the scene as it is served now. A file that cannot be written is told once, and tried again.
-  void look(const Scene& served, std::int64_t now_ns);
+  // When it is due: the scene as it is served now. An isovalue that is not felt yet is not kept: if what it takes were
+  // the end of the service, that would end the next one, too. A file that cannot be written is told once, and tried
+  // again.
+  void look(const Scene& served, std::int64_t now_ns, bool isovalue_is_felt = true);
   // The end in good order. Removes the file.
   void forget();
 
@@ -50,15 +54,16 @@ class KeptSettings {
     friend bool operator==(const Setting&, const Setting&) = default;
   };
   using Settings = std::map<std::string, Setting>;  // by key
-  [[nodiscard]] Settings changed(const Scene& served) const;
+  [[nodiscard]] Settings changed(const Scene& served, bool isovalue_is_felt) const;
   void take(const std::string& text);
-  void takeNone(const std::string& why);
   void write(const Settings& settings);
 
   const std::filesystem::path file_;
+  const std::string volume_;  // its name, as the file says it
   const Tell tell_;
   Scene users_, taken_, at_start_;
   Settings kept_;               // as the file has them, or will
+  std::string overtaken_;       // keys of those that the scene has overtaken
   std::set<std::string> told_;  // keys of those that were taken
   std::int64_t looked_at_ns_ = 0;
   std::atomic<bool> file_differs_{false};

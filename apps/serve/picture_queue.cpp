@@ -17,7 +17,8 @@ void PictureQueue::ask(ViewRequest request, Done done) {
 
 bool PictureQueue::drawOn(std::uint64_t edit_version, bool may_begin) {
   if (!drawing_) {
-    if (!may_begin) return false;
+    std::erase_if(handed_out_, [](const auto& one) { return one.expired(); });
+    if (!may_begin || handed_out_.size() >= kMostKept) return false;
     std::unique_lock lock(mutex_);
     if (waiting_.empty()) return false;
     drawing_ = std::move(waiting_.front());
@@ -37,7 +38,12 @@ bool PictureQueue::drawOn(std::uint64_t edit_version, bool may_begin) {
   view_->rest();
   const Drawing drawn = std::move(*std::exchange(drawing_, std::nullopt));
   const Camera& camera = drawn.request.camera;
-  drawn.done(is_whole ? asImage(camera.width, camera.height, frame.pixels) : RenderedImage{}, is_whole ? "" : failure);
+  Picture picture;
+  if (is_whole) {
+    picture = std::make_shared<const RenderedImage>(asImage(camera.width, camera.height, frame.pixels));
+    handed_out_.emplace_back(picture);
+  }
+  drawn.done(picture, is_whole ? "" : failure);
   return true;
 }
 

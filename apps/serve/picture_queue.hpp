@@ -8,9 +8,11 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/rig/live_view.hpp"
 #include "base/camera.hpp"
@@ -19,9 +21,11 @@ namespace palpate {
 
 class PictureQueue {
  public:
-  // With the picture, or why there is none; by the engine's thread.
-  using Done = std::function<void(RenderedImage, const std::string& failure)>;
+  // With the picture, or null and why there is none; by the engine's thread.
+  using Picture = std::shared_ptr<const RenderedImage>;
+  using Done = std::function<void(const Picture& picture, const std::string& failure)>;
   static constexpr std::size_t kMostWaiting = 16;
+  static constexpr std::size_t kMostKept = 2;  // of those handed out; the next is not begun until one is let go
 
   // Throws Error(kOutOfMemory) if too many wait.
   void ask(ViewRequest request, Done done);
@@ -46,7 +50,8 @@ class PictureQueue {
   std::optional<Drawing> drawing_;
   std::uint64_t from_edits_ = 0;  // that its frame shows
   std::uint64_t request_ = 0;     // its number in the view
-  std::mutex mutex_;              // guards the next
+  std::vector<std::weak_ptr<const RenderedImage>> handed_out_;
+  std::mutex mutex_;  // guards the next
   std::deque<Drawing> waiting_;
 };
 

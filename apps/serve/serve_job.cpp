@@ -108,6 +108,24 @@ std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolum
   });
 }
 
+// Filters from before a crash may ask for more than there is now; then it begins without what was set.
+std::unique_ptr<ServedVolume> servedOf(const ServeRequest& request, KeptSettings& settings,
+                                       const std::filesystem::path& journal, Progress& progress) {
+  const auto made = [&] {
+    return std::make_unique<ServedVolume>(
+        ServedVolume::Request{
+            .scene = request.scene, .settings = settings.taken(), .journal = journal, .commit = request.commit},
+        progress, tell);
+  };
+  try {
+    return made();
+  } catch (const Error& error) {
+    if (settings.taken().filter == request.scene.filter || error.code() == Error::Code::kCancelled) throw;
+    settings.takeNone(error.what());
+  }
+  return made();
+}
+
 // Tells systemd that the service lives, twice as often as it wants to hear that; not while the engine hangs.
 class Watchdog {
  public:
@@ -143,9 +161,8 @@ void serveScene(const ServeRequest& request, Progress& progress) {
     checkServable(scene);
     static_cast<void>(servedPlan(scene));
   });
-  ServedVolume served(
-      {.scene = request.scene, .settings = settings.taken(), .journal = journal, .commit = request.commit}, progress,
-      tell);
+  const std::unique_ptr<ServedVolume> made = servedOf(request, settings, journal, progress);
+  ServedVolume& served = *made;
   settings.begin(served.scene());
   ClientDesk desk(std::move(listener), served, tell);
   const ClosedFirst closed{served};  // what it still has to answer goes to the desk
@@ -160,7 +177,7 @@ void serveScene(const ServeRequest& request, Progress& progress) {
   Watchdog watchdog(notify);
   while (stop_asked == 0 && !interrupted() && !served.failed() && desk.round(kLook_ms)) {
     watchdog.look(served);
-    if (settings.isDue(monotonicNow_ns())) settings.look(served.scene(), monotonicNow_ns());
+    if (settings.isDue(monotonicNow_ns())) settings.look(served.scene(), monotonicNow_ns(), served.isIsovalueFelt());
     if (reload_asked == 0) continue;
     reload_asked = 0;
     static_cast<void>(notify.reloading());

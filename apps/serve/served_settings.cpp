@@ -33,8 +33,14 @@ void ServedVolume::takeSettings(const Scene& settings) {
   scene_.filter = settings.filter;
   scene_.isovalue = first_isovalue_;
   Scene next = withUsual(settings);
-  const bool goes_elsewhere = settings.isovalue != first_scene_.isovalue && engine_->canChangeIsovalue();
-  if (!goes_elsewhere) next.isovalue = first_isovalue_;
+  // The engine begins with the journal's, if there are edits from before, whatever the scene says.
+  const bool goes_elsewhere = settings.isovalue && static_cast<float>(*settings.isovalue) != first_isovalue_;
+  if (goes_elsewhere && !engine_->canChangeIsovalue())
+    tell_(fmt::format(
+        "the isovalue stays {}, that of the edits from before, and is not {}: what is on the device serves the first "
+        "one alone; undo the edits, or name another --journal",
+        first_isovalue_, *settings.isovalue));
+  if (!goes_elsewhere || !engine_->canChangeIsovalue()) next.isovalue = first_isovalue_;
   try {
     checkFollowsEdits(next.algorithm, "servo.algorithm = " + next.algorithm);
     checkHasGradients(next.algorithm, engine_->gradientEverywhere());
@@ -63,8 +69,21 @@ void ServedVolume::heedRig(TouchRig& rig) {
     endIsovalue(*refusal, rig.settings().parameters.isovalue);
     rig.change(settingsOf(scene()));  // what else was set meanwhile waited for the isovalue
   } else if (rig.isSettled()) {
-    asked_isovalues_.reached(isovalue);
+    noteReached(isovalue);
   }
+}
+
+void ServedVolume::noteReached(double isovalue) {
+  {
+    const std::lock_guard lock(mutex_);
+    felt_isovalue_ = isovalue;
+  }
+  asked_isovalues_.reached(isovalue);
+}
+
+bool ServedVolume::isIsovalueFelt() const {
+  const std::lock_guard lock(mutex_);
+  return wantedIsovalue(scene_) == felt_isovalue_;
 }
 
 // One that the engine refused is not asked for again. `in_use`: what the contact is of, or will be. No change comes in
@@ -85,14 +104,14 @@ double ServedVolume::wantedIsovalue(const Scene& scene) const {
 void ServedVolume::takeIsovalueAlone() {
   Engine& engine = engine_->live().engine();
   const double wanted = wantedIsovalue(scene());
-  if (wanted == engine.isovalue()) return asked_isovalues_.reached(wanted);
+  if (wanted == engine.isovalue()) return noteReached(wanted);
   const double before = engine.isovalue();
   try {
     engine.beginIsovalue(wanted);
     while (!engine.gatherIsovalue(kMostBricks, monotonicNow_ns()))
       looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);  // it lives
     engine.endIsovalue(wanted);
-    asked_isovalues_.reached(wanted);
+    noteReached(wanted);
   } catch (const Error& error) {
     if (error.code() != Error::Code::kBadInput && error.code() != Error::Code::kOutOfMemory) throw;
     const std::lock_guard order(changers_);

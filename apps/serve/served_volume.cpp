@@ -2,7 +2,6 @@
 #include "apps/serve/served_volume.hpp"
 
 #include <chrono>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,7 +10,6 @@
 #include "apps/held/held_device.hpp"
 #include "apps/render/fit_camera.hpp"
 #include "apps/rig/remote_windows.hpp"
-#include "apps/serve/flat_heap.hpp"
 #include "apps/servo_setup/scene_device.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/touch/scripted_path.hpp"
@@ -52,7 +50,7 @@ ServedVolume::ServedVolume(const Request& request, Progress& progress, Tell tell
                                              seen_volume_.statistics = statisticsOf(volume);
                                            });
   LiveVolume& live = engine_->live();
-  first_isovalue_ = live.firstIsovalue();
+  first_isovalue_ = felt_isovalue_ = live.firstIsovalue();
   size_ = engine_->size();
   lattice_ = engine_->lattice();
   profile_ = live.engine().profile();
@@ -154,7 +152,7 @@ void ServedVolume::run() {
 // Until the end, or the engine must be made anew.
 void ServedVolume::work() {
   while (!stop_ && !mustBeMadeAnew()) {
-    std::unique_ptr<RemoteServo> next = door_->takeNext();
+    std::unique_ptr<RemoteServo> next = monotonicNow_ns() < next_servo_ns_ ? nullptr : door_->takeNext();
     const bool is_felt = next != nullptr;
     try {
       next ? feel(std::move(next)) : lookAlone();
@@ -168,77 +166,6 @@ void ServedVolume::work() {
       status_.servo = false;
     }
     door_->hasLeft();
-  }
-}
-
-bool ServedVolume::mustBeMadeAnew() const {
-  const LiveVolume& live = engine_->live();
-  if (live.engine().broken() || !live.edits().counts().editing) return true;
-  const std::lock_guard lock(mutex_);
-  return wanted_filter_.has_value();
-}
-
-// What clients ask for meanwhile waits.
-void ServedVolume::makeAnew() {
-  std::optional<std::string> filter;
-  Done done;
-  {
-    const std::scoped_lock lock(engines_, mutex_);
-    is_ready_ = false;
-    looked_at_ns_.store(std::numeric_limits<std::int64_t>::max(), std::memory_order_relaxed);
-    filter = std::exchange(wanted_filter_, std::nullopt);
-    done = std::exchange(filter_done_, {});
-  }
-  if (!filter) noteLost();
-  settle();
-  pictures_.startAgain();
-  onlookers_.interrupt();
-  Scene next = scene();
-  std::optional<Error> refusal;
-  if (filter) next.filter = *filter;
-  try {
-    makeEngine(next);
-  } catch (const Error& error) {
-    if (!filter) throw;
-    refusal = error;
-    next.filter = scene().filter;
-    try {
-      makeEngine(next);
-    } catch (...) {
-      done(refusal);  // or nobody would
-      throw;
-    }
-  }
-  servo_.reset();  // to whose memory the engine before wrote
-  giveFreeHeapBack();
-  {
-    const std::lock_guard lock(mutex_);
-    scene_.filter = next.filter;
-    ++status_.engines;
-  }
-  if (done) done(refusal);
-  const std::lock_guard lock(engines_);
-  is_ready_ = true;
-  looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
-}
-
-void ServedVolume::noteLost() {
-  if (!lost_.mayGoOn(monotonicNow_ns()))
-    throw Error(Error::Code::kDevice, "the engine", "its device has failed again and again",
-                "see the driver's messages, or choose another device with --gpu; the edits are in the journal");
-  tell_("the Vulkan device has failed; the engine is made anew from the volume with its edits");
-}
-
-// Begins with the first isovalue; that of the scene is taken then. The device may be lost meanwhile, too.
-void ServedVolume::makeEngine(const Scene& scene) {
-  while (true) {
-    try {
-      return engine_->makeAnew(scene);
-    } catch (const Error& error) {
-      if (error.code() != Error::Code::kDevice) throw;
-      tell_(error.what());
-      noteLost();
-    }
   }
 }
 
@@ -260,7 +187,16 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   RigSettings first = rigSettings(scene(), engine.isovalue());
   first.parameters.isovalue = engine.isovalue();
   std::atomic<bool> is_broken{false};  // the engine, which a picture can have met while nothing is edited
-  TouchRig rig(engine, *servo_, loop, RigVolume{.scale = engine_->scale()}, first, &live.edits());
+  // A servo that lets the engine wait, and then makes no loop, waits as long: edits are made meanwhile.
+  const std::int64_t from_ns = monotonicNow_ns();
+  std::optional<TouchRig> made;
+  try {
+    made.emplace(engine, *servo_, loop, RigVolume{.scale = engine_->scale()}, first, &live.edits());
+  } catch (...) {
+    next_servo_ns_ = 2 * monotonicNow_ns() - from_ns;
+    throw;
+  }
+  TouchRig& rig = *made;
   rig.drawFor(pictures_.view());
   rig.keepTicks(kOnlookRoom.ticks);
   std::atomic<bool> ticks{false};
@@ -463,21 +399,6 @@ void ServedVolume::render(int width, int height, PictureQueue::Done done) {
   const double distance_m = fittingDistance(request, seen_volume_.object);
   pictures_.ask({.camera = frameCamera(request, seen_volume_.object.middle_W, distance_m, 0), .style = {}},
                 std::move(done));
-}
-
-void ServedVolume::filter(const std::string& chain, Done done) {
-  Scene next = scene();
-  next.filter = chain;
-  static_cast<void>(servedPlan(next));  // or says why not
-  std::unique_lock lock(mutex_);
-  if (wanted_filter_)
-    throw Error(Error::Code::kOutOfMemory, "the filters", "others are being made ready", "ask again in a moment");
-  if (chain == scene_.filter) {
-    lock.unlock();
-    return done({});
-  }
-  wanted_filter_ = chain;
-  filter_done_ = std::move(done);
 }
 
 Scene ServedVolume::scene() const {

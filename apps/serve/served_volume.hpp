@@ -62,7 +62,7 @@ class ServedVolume {
   // `save`: the file that then gets the volume; empty: none. Throws what ended the engine, as LiveVolume::close(), and
   // Error(kIo) if that file was not written. Called once; the destructor's own call does nothing then.
   void close(const std::string& save = {});
-  // Its thread looks again and again, or makes its engine anew, which may take as long as the first time.
+  // Its thread looks again and again, or makes its engine anew, which may take ten minutes.
   [[nodiscard]] bool isAlive(std::int64_t within_ns) const noexcept;
   // The engine has failed for good; close() throws why.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
@@ -85,6 +85,8 @@ class ServedVolume {
   // made anew with them; if it cannot be, with those that there were.
   void filter(const std::string& chain, Done done);
   [[nodiscard]] Scene scene() const;
+  // Its isovalue is in effect, not on its way.
+  [[nodiscard]] bool isIsovalueFelt() const;
   // Live settings (live_setting.hpp); the servo takes them between two ticks. `done`: an isovalue is in effect, or was
   // refused; `awaits`: also one that is on its way already. Throws Error(kBadInput), and changes nothing, as
   // TouchRig::change() does; kDevice while the engine is being made anew.
@@ -122,13 +124,17 @@ class ServedVolume {
   void noteMemory(std::int64_t now_ns);
   void settle();
   void makeAnew();
-  void makeEngine(const Scene& scene);
+  enum class Patience : std::uint8_t { kNone, kForMemory };
+  void makeEngine(const Scene& scene, Patience patience);
   void noteLost();
+  void mayGoOn();
+  [[nodiscard]] bool isLost() const;
   [[nodiscard]] bool mustBeMadeAnew() const;
   void lendRig(TouchRig* rig);
   void heedRig(TouchRig& rig);
   void takeIsovalueAlone();
   void endIsovalue(const Error& refusal, double in_use);
+  void noteReached(double isovalue);
   void takeSettings(const Scene& settings);
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
   [[nodiscard]] RigEdits& edits() noexcept { return engine_->live().edits(); }
@@ -155,6 +161,7 @@ class ServedVolume {
   Onlookers onlookers_;
   std::vector<TickRecord> told_;  // to them; kept for its memory
   std::int64_t memory_at_ns_ = 0;
+  std::int64_t next_servo_ns_ = 0;  // when one is taken in again
 
   mutable std::mutex engines_;  // guards the next, and what of engine_ depends on its filters
   bool is_ready_ = true;        // false: the engine is being made anew
@@ -168,6 +175,7 @@ class ServedVolume {
 
   mutable std::mutex mutex_;  // guards what follows
   Scene scene_;
+  double felt_isovalue_ = 0;
   std::optional<std::string> wanted_filter_;
   Done filter_done_;
   ServedStatus status_;

@@ -63,6 +63,11 @@ Buffer::Buffer(Gpu& gpu, std::string name, std::size_t bytes, MemoryKind kind) :
     if (vulkan.info.isCpu() && state_->mapped != nullptr) wishLargePages(state_->mapped, need.size);
     vulkan.name(state_->buffer, state_->name);
     vulkan.name(state_->memory, state_->name + " memory");
+  } catch (const vk::DeviceLostError& error) {
+    vulkan.failed.store(true);
+    throw Error(Error::Code::kDevice, vulkan.info.name,
+                fmt::format("the device is lost ({}), and has no {} any more", error.what(), state_->name),
+                "start again; if it fails again, try another device with --gpu");
   } catch (const vk::SystemError& error) {
     throw Error(Error::Code::kOutOfMemory, state_->name,
                 fmt::format("{} has no {} left for it ({})", vulkan.info.name, inMiB(bytes), error.what()),

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A Vulkan layer that loses surfaces and devices. Whenever the file that PALPATE_VULKAN_FAULT names is there, the next
-// call that it names fails as it says, and the file is removed: "acquire -1000000000" (VK_ERROR_SURFACE_LOST_KHR). A
-// third word, a number, lets so many of these calls pass before: "submit -4 50" (VK_ERROR_DEVICE_LOST).
+// A Vulkan layer that loses surfaces and devices, and has no memory left. Whenever the file that PALPATE_VULKAN_FAULT
+// names is there, the next call that its first line names fails as it says: "acquire -1000000000"
+// (VK_ERROR_SURFACE_LOST_KHR), "allocate -2" (VK_ERROR_OUT_OF_DEVICE_MEMORY). A third word, a number, lets so many of
+// these calls pass before: "submit -4 50" (VK_ERROR_DEVICE_LOST). The file then has its other lines, or is removed.
 // A surface that is lost stays so until it is destroyed, and devices are lost until another one is made.
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <string>
@@ -54,7 +56,11 @@ VkResult faultOf(const std::string& call) {
   if (!(file >> which >> result) || which != call) return VK_SUCCESS;
   int may_pass = 0;
   if (file >> may_pass && passed++ < may_pass) return VK_SUCCESS;
-  unlink(name);
+  file.clear();
+  const std::string others{std::istreambuf_iterator<char>(file), {}};
+  const std::size_t next = others.find_first_not_of(" \n");
+  next == std::string::npos ? static_cast<void>(unlink(name))
+                            : static_cast<void>(std::ofstream(name) << others.substr(next));
   if (call == "submit") device_is_lost = true;
   if (result == VK_ERROR_SURFACE_LOST_KHR) surface_is_lost = true;
   return static_cast<VkResult>(result);
@@ -118,6 +124,12 @@ VkResult submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* infos, V
   return functionOf<PFN_vkQueueSubmit>(queue, "vkQueueSubmit")(queue, count, infos, fence);
 }
 
+VkResult allocate(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks* allocator,
+                  VkDeviceMemory* memory) {
+  if (const VkResult fault = faultOf("allocate"); fault != VK_SUCCESS) return fault;
+  return functionOf<PFN_vkAllocateMemory>(device, "vkAllocateMemory")(device, info, allocator, memory);
+}
+
 VkResult createSwapchain(VkDevice device, const VkSwapchainCreateInfoKHR* info, const VkAllocationCallbacks* allocator,
                          VkSwapchainKHR* made) {
   if (surface_is_lost) return VK_ERROR_SURFACE_LOST_KHR;
@@ -137,6 +149,7 @@ PFN_vkVoidFunction ours(const char* name) {
   if (is("vkAcquireNextImageKHR")) return reinterpret_cast<PFN_vkVoidFunction>(acquire);
   if (is("vkCreateSwapchainKHR")) return reinterpret_cast<PFN_vkVoidFunction>(createSwapchain);
   if (is("vkDestroySurfaceKHR")) return reinterpret_cast<PFN_vkVoidFunction>(destroySurface);
+  if (is("vkAllocateMemory")) return reinterpret_cast<PFN_vkVoidFunction>(allocate);
   if (is("vkQueueSubmit")) return reinterpret_cast<PFN_vkVoidFunction>(submit);
   if (is("vkQueuePresentKHR")) return reinterpret_cast<PFN_vkVoidFunction>(present);
   return nullptr;

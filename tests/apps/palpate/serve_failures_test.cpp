@@ -11,6 +11,7 @@
 #include "base/descriptor.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "served_sphere.hpp"
+#include "service/messages/message_channel.hpp"
 
 namespace palpate {
 namespace serve_failures_test {
@@ -37,6 +38,10 @@ class LosesDevices {
   LosesDevices& operator=(const LosesDevices&) = delete;
   // With the next submission: VK_ERROR_DEVICE_LOST.
   void next() const { writeFileAtomically(order_, "submit -4"); }
+  // The same, and then there is no memory for the next buffer: VK_ERROR_OUT_OF_DEVICE_MEMORY.
+  void nextWithoutMemory() const { writeFileAtomically(order_, "submit -4\nallocate -2"); }
+  void noMemory() const { writeFileAtomically(order_, "allocate -2"); }
+  [[nodiscard]] bool isDone() const { return !std::filesystem::exists(order_); }
   void noMore() const { std::filesystem::remove(order_); }
 
  private:
@@ -65,6 +70,82 @@ TEST_F(ServeFailures, AKilledEngineComesBackWithItsEdits) {
   EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
   expectSuccess(ctl({"undo"}));  // the edit can be undone by the next engine too
   EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("the force fades"));
+}
+
+// The scene's isovalue is felt, also where the edits from before began with another one.
+TEST_F(ServeFailures, AnotherIsovalueInTheSceneIsTaken) {
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  const std::string first = ctl({"get", "isovalue"}).out;
+  const double isovalue = std::stod(first.substr(first.find('=') + 1)) + 20;
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  expectSuccess(ctl({"export", "first.stl"}));
+  engine.end(SIGKILL);
+  serve({kServedSphere, "--iso", fmt::format("{}", isovalue)});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(ctl({"get", "isovalue"}).out, fmt::format("isovalue = {}\n", isovalue));
+  expectSuccess(ctl({"set", "isovalue", fmt::format("{}", isovalue)}));  // answered when it is felt
+  expectSuccess(ctl({"export", "second.stl"}));
+  EXPECT_NE(contentsOf(file("first.stl")), contentsOf(file("second.stl")));
+  expectSuccess(ctl({"undo"}));
+  // Where what is on the device serves one alone, it is that of the edits, and told.
+  expectSuccess(ctl({"redo"}));
+  engine.end(SIGKILL);
+  serve({kServedSphere, "--iso", fmt::format("{}", isovalue), "--samples", "half"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(ctl({"get", "isovalue"}).out, first);
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the isovalue stays "));
+}
+
+// A chain that is felt no more as soon as another one is ready is asked for again meanwhile: the last word counts.
+TEST_F(ServeFailures, TheLastFiltersCount) {
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  MessageChannel client(connectTo((file("run") / "palpate/service.sock").string()), "the service");
+  std::uint64_t number = 0;
+  const auto askFor = [&](const std::string& chain) {
+    wire::AskT ask = asking(wire::Verb::Filter);
+    ask.number = ++number;
+    ask.words = {chain};
+    client.send(std::move(ask));
+    return number;
+  };
+  const auto answer = [&] { return client.expect<wire::AnswerT>(60'000).first; };
+  const std::uint64_t first = askFor("gaussian:1");
+  bool first_is_answered = false, second_is_done = false;
+  while (!second_is_done) {
+    const std::uint64_t second = askFor("");
+    for (bool heard = false; !heard;) {
+      const wire::AnswerT one = answer();
+      if (one.number == first) first_is_answered = true;
+      heard = one.number == second;
+      second_is_done = heard && !one.refusal;
+    }
+  }
+  if (!first_is_answered) {
+    EXPECT_EQ(answer().number, first);
+  }
+  EXPECT_EQ(ctl({"get", "filter"}).out, "filter = \n");
+  EXPECT_GE(status()["engines"], 3);
+}
+
+// Filters from before a crash for which there is no memory any more: it begins without them, and says so.
+TEST_F(ServeFailures, FiltersThatCannotBeMadeAgainKeepNobodyOut) {
+  const LosesDevices loses(folder());
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  expectSuccess(ctl({"filter", "gaussian:1"}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // it is kept
+  engine.end(SIGKILL);
+  loses.noMemory();
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService()) << contentsOf(file("serve.log"));
+  EXPECT_TRUE(loses.isDone());
+  EXPECT_EQ(ctl({"get", "filter"}).out, "filter = \n");
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("settings from before are not taken: "));
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
 }
 
 // Killed, too: what was set is set again, but for what the user has changed in the scene. A stop in good order forgets.
@@ -122,7 +203,7 @@ TEST_F(ServeFailures, ServosComeAndGo) {
   ASSERT_TRUE(awaitService());
   join();
   ASSERT_TRUE(awaitServo());
-  RunningProgram second(PALPATE_PROGRAM, {"servo"}, folder(), "second.log");
+  RunningProgram second(PALPATE_PROGRAM, {"servo", "--connect"}, folder(), "second.log");  // to the usual socket
   const auto isTurnedAway = [this] { return contentsOf(file("serve.log")).find("turned away") != std::string::npos; };
   for (int look = 0; look < 200 && !isTurnedAway(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_TRUE(isTurnedAway());
@@ -228,6 +309,30 @@ TEST_F(ServeFailures, ALostDeviceIsMadeAnew) {
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the engine is made anew from the volume with its edits"));
 }
 
+// Another program has taken the device's memory, for a moment. What cannot be is refused, and the service goes on; an
+// engine that must be made anew is tried again.
+TEST_F(ServeFailures, MemoryThatIsNotThereForAMomentEndsNothing) {
+  const LosesDevices loses(folder());
+  writePress();
+  serve({kServedSphere, "--path", "press.csv", "--fade", "0.05", "--stale", "0.1"});
+  join();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=1mm:at=-12,-12,-12mm"}));
+  loses.noMemory();
+  expectRefusal(ctl({"filter", "gaussian:1"}), "", "left for it (", 5);
+  EXPECT_TRUE(loses.isDone());
+  EXPECT_EQ(ctl({"get", "filter"}).out, "filter = \n");
+  loses.nextWithoutMemory();
+  expectSuccess(ctl({"render", "between.png", "--width", "64", "--height", "48"}));  // by the next engine
+  EXPECT_TRUE(loses.isDone());
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("left for it ("));
+  expectSuccess(ctl({"edit", "add:radius=1mm:at=12,-12,-12mm"}));
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"save", "both.vdb"}));
+  for (const double x : {-12e-3, 12e-3}) EXPECT_GT(densityAt("both.vdb", Vec3(x, -12e-3, -12e-3)), 0);
+  EXPECT_FALSE(engine.hasEnded());
+}
+
 // With nobody there the next edit meets the failure; it is not lost either, as it was not answered.
 TEST_F(ServeFailures, ADeviceThatIsLostForGoodEndsTheService) {
   const LosesDevices loses(folder());
@@ -282,6 +387,9 @@ TEST_F(ServeFailures, IsWatchedFromEngineToEngine) {
     return false;
   };
   EXPECT_TRUE(told("off  ", 3)) << contentsOf(file("top.log"));
+  join();
+  EXPECT_TRUE(told("on   ", 3)) << contentsOf(file("top.log"));
+  servo.end(SIGKILL);
   engine.end(SIGKILL);
   EXPECT_TRUE(told("has ended; Ctrl-C ends the wait", 1)) << contentsOf(file("top.log"));
   write("top.log", "");

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate serve` and `ctl`: what clients and users ask of a service.
+#include <cerrno>
+#include <chrono>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -11,6 +13,8 @@
 
 #include "engine/journal/volume_identity.hpp"
 #include "served_sphere.hpp"
+#include "service/channel/channel.hpp"
+#include "service/messages/message.hpp"
 #include "tests/support/unix_stream.hpp"
 
 namespace palpate {
@@ -380,6 +384,129 @@ TEST_F(Serve, IsNotHeldUpByBadClients) {
   close(silent);
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["clients"], 1);
+}
+
+// Who breaks the rules by the number or the time is dropped with a word, and nobody else.
+class BadClients : public ServedSphere {
+ protected:
+  void SetUp() override {
+    serve({kServedSphere});
+    ASSERT_TRUE(awaitService());
+  }
+  [[nodiscard]] Channel connected() const { return connectTo((file("run") / "palpate/service.sock").string()); }
+  static std::vector<std::byte> question(wire::Verb verb, std::uint64_t number = 1, Words words = {}) {
+    wire::AskT ask = asking(verb);
+    ask.number = number;
+    ask.words = std::move(words);
+    return encoded(std::move(ask));
+  }
+  [[nodiscard]] bool isTold(const std::string& words) const {
+    for (int look = 0; look < 500; ++look) {
+      if (contentsOf(file("serve.log")).find(words) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+  // Until its socket is closed; empty bytes: it only listens.
+  [[nodiscard]] static bool isDropped(Channel& client, const std::vector<std::byte>& asks, bool reads) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (std::chrono::steady_clock::now() < end) {
+      // What does not fit any more is tried again: it may be that nobody reads there just now.
+      const bool sent = asks.empty() || client.send(asks, 10);
+      if (!sent && errno == EPIPE) return true;
+      Packet packet;
+      if (reads && client.receive(packet, asks.empty() ? 100 : 0) == Channel::Got::kClosed) return true;
+    }
+    return false;
+  }
+};
+
+TEST_F(BadClients, OneThatSaysNothing) {
+  Channel client = connected();
+  EXPECT_TRUE(isDropped(client, {}, true));
+  EXPECT_TRUE(isTold("is dropped: it says nothing")) << contentsOf(file("serve.log"));
+  EXPECT_EQ(status()["clients"], 1);
+}
+
+TEST_F(BadClients, OneThatAsksTooOften) {
+  Channel client = connected();
+  int asked = 0, answered = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (client.open() && std::chrono::steady_clock::now() < end) {
+    if (asked - answered < 10 && client.send(question(wire::Verb::Status), 0)) ++asked;
+    Packet packet;
+    while (client.receive(packet, 0) == Channel::Got::kPacket) ++answered;
+  }
+  EXPECT_FALSE(client.open()) << asked;
+  EXPECT_GE(answered, 3900);
+  EXPECT_TRUE(isTold("is dropped: it asks more often than 2000 times a second")) << contentsOf(file("serve.log"));
+}
+
+TEST_F(BadClients, OneThatDoesNotReadItsAnswers) {
+  Channel client = connected();
+  EXPECT_TRUE(isDropped(client, question(wire::Verb::Get), false));
+  EXPECT_TRUE(isTold("is dropped: it does not read its answers")) << contentsOf(file("serve.log"));
+}
+
+TEST_F(BadClients, OneOfAnotherProtocol) {
+  Channel client = connected();
+  for (const std::uint32_t protocol : {std::uint32_t{0}, kProtocol + 1}) {
+    wire::AskT ask = asking(wire::Verb::Undo);
+    ask.number = 7;
+    ask.protocol = protocol;
+    ASSERT_TRUE(client.send(encoded(std::move(ask)), 1000));
+    Packet packet;
+    ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);
+    wire::BodyUnion body = decoded(packet.bytes, "the service");
+    const auto* const answer = contentOf<wire::AnswerT>(body);
+    ASSERT_TRUE(answer != nullptr && answer->refusal != nullptr);
+    EXPECT_EQ(answer->number, 7U);
+    EXPECT_EQ(answer->refusal->reason,
+              fmt::format("its program speaks number {} of the protocol, not {}", protocol, kProtocol));
+  }
+}
+
+// More questions at once than may be open are refused, each by its number; the others are answered.
+TEST_F(BadClients, OneWithTooManyOpenQuestions) {
+  constexpr std::uint64_t kAsked = 300;
+  Channel client = connected();
+  std::uint64_t made = 0, refused = 0, asked = 0;
+  for (Packet packet; made + refused < kAsked;) {
+    if (asked < kAsked && client.send(question(wire::Verb::Edit, ++asked, {"add:radius=1mm:at=-12,-12,-12mm"}), 1000))
+      continue;
+    ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);
+    wire::BodyUnion body = decoded(packet.bytes, "the service");
+    const auto* const answer = contentOf<wire::AnswerT>(body);
+    ASSERT_NE(answer, nullptr);
+    if (answer->refusal) {
+      EXPECT_EQ(answer->refusal->reason, "64 others are not answered yet");
+      ++refused;
+    } else {
+      ++made;
+    }
+  }
+  EXPECT_GT(refused, 0U);
+  EXPECT_GE(made, 64U);
+  EXPECT_EQ(status()["edits"], made);
+}
+
+// Each hears what became of its own.
+TEST_F(BadClients, ARefusalReachesTheOneWhoAsked) {
+  Channel good = connected(), bad = connected();
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(bad.send(question(wire::Verb::Edit, 100, {"add:radius=none"}), 1000));
+    ASSERT_TRUE(good.send(question(wire::Verb::Edit, 200, {"add:radius=1mm:at=-12,-12,-12mm"}), 1000));
+    for (Channel* const client : {&bad, &good}) {
+      Packet packet;
+      ASSERT_EQ(client->receive(packet, 20'000), Channel::Got::kPacket);
+      wire::BodyUnion body = decoded(packet.bytes, "the service");
+      const auto* const answer = contentOf<wire::AnswerT>(body);
+      ASSERT_NE(answer, nullptr);
+      EXPECT_EQ(answer->number, client == &bad ? 100U : 200U);
+      EXPECT_EQ(answer->refusal != nullptr, client == &bad);
+    }
+  }
+  EXPECT_EQ(status()["edits"], 20);
 }
 
 }  // namespace serve_test

@@ -40,7 +40,9 @@ class Kept : public testing::Test {
   // What the next one begins with.
   [[nodiscard]] Scene next(const Scene& scene) {
     said_.clear();
-    return KeptSettings(file(), scene, [this](const std::string& words) { said_.push_back(words); }).taken();
+    KeptSettings settings(file(), scene, [this](const std::string& words) { said_.push_back(words); });
+    settings.begin(settings.taken());
+    return settings.taken();
   }
   const TemporaryFolder folder_;
   std::vector<std::string> said_;
@@ -185,14 +187,66 @@ TEST_F(Kept, WhatTheServiceDidNotTakeIsForgotten) {
     served.damping_Ns_per_m = 0.25;
   });
   {
-    KeptSettings settings(file(), Scene{}, [](const std::string&) {});
+    said_.clear();
+    KeptSettings settings(file(), Scene{}, [this](const std::string& words) { said_.push_back(words); });
     Scene served = settings.taken();
     served.damping_Ns_per_m = 0.5;  // what it chooses itself
     settings.begin(served);
+    EXPECT_THAT(said_, ElementsAre("settings from before are taken again: safety.force_limit_N = 1",
+                                   "settings from before are not taken, as they cannot be here: "
+                                   "servo.damping_Ns_per_m = 0.25"));
     settings.look(served, 1'000'000'000);
   }
   EXPECT_EQ(next(Scene{}).force_limit_N, 1);
   EXPECT_FALSE(next(Scene{}).damping_Ns_per_m);
+}
+
+// A window can clear a table; no text of a flag stands for that.
+TEST_F(Kept, ATableThatWasClearedStaysSo) {
+  Scene scene;
+  scene.stiffness_density = {{100, 1}, {200, 2}};
+  runs(scene, [](Scene& served) { served.stiffness_density.clear(); });
+  EXPECT_TRUE(next(scene).stiffness_density.empty());
+  EXPECT_EQ(scene.stiffness_density.size(), 2U);
+}
+
+// While it is on its way the one before is kept, or none.
+TEST_F(Kept, AnIsovalueIsKeptOnceItIsFelt) {
+  Scene scene;
+  scene.isovalue = 100;
+  const auto isKept = [&] { return next(scene).isovalue; };
+  {
+    KeptSettings settings(file(), scene, [](const std::string&) {});
+    Scene served = scene;
+    settings.begin(served);
+    served.isovalue = 200;
+    served.force_limit_N = 1;
+    settings.look(served, 1'000'000'000, false);
+  }
+  EXPECT_EQ(isKept(), 100);
+  EXPECT_EQ(next(scene).force_limit_N, 1);
+  for (const bool is_felt : {true, false}) {
+    KeptSettings settings(file(), scene, [](const std::string&) {});
+    Scene served = settings.taken();
+    settings.begin(served);
+    served.isovalue = is_felt ? 200 : 300;
+    settings.look(served, 2'000'000'000, is_felt);
+  }
+  EXPECT_EQ(isKept(), 200);
+}
+
+// A file's name need not be UTF-8.
+TEST_F(Kept, AVolumeMayHaveAnyName) {
+  Scene scene;
+  scene.volume =
+      "sch\xe4"
+      "del.nii";
+  runs(scene, [](Scene& served) { served.force_limit_N = 1; });
+  EXPECT_THAT(said_, IsEmpty());
+  EXPECT_EQ(next(scene).force_limit_N, 1);
+  Scene other = scene;
+  other.volume = "schadel.nii";
+  EXPECT_EQ(next(other).force_limit_N, Scene{}.force_limit_N);
 }
 
 // An overtaken value does not come back with the scene's first one.

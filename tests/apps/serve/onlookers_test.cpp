@@ -146,7 +146,7 @@ TEST(Onlookers, SeeTheSame) {
   drawn.onlookers.show(*two.onlooker, front);
   bool is_drawn = false;
   drawn.pictures.ask({.camera = front.camera, .style = {}},
-                     [&](const RenderedImage&, const std::string&) { is_drawn = true; });
+                     [&](const PictureQueue::Picture&, const std::string&) { is_drawn = true; });
   EXPECT_TRUE(drawn.looksUntil([&] { return is_drawn; }));
   drawn.expectSeen(two, front);
 }
@@ -166,7 +166,7 @@ TEST(Onlookers, TakeTurnsWhileEditsGoOnAndOn) {
     if (asked < pictures + 2) {  // one waits at any time
       ++asked;
       drawn.pictures.ask({.camera = drawn.from(Vec3::UnitX()).camera, .style = {}},
-                         [&](const RenderedImage&, const std::string& failure) {
+                         [&](const PictureQueue::Picture&, const std::string& failure) {
                            EXPECT_EQ(failure, "");
                            ++pictures;
                          });
@@ -236,7 +236,7 @@ TEST(Onlookers, GoBeforeTheyHaveSeenAnything) {
   drawn.onlookers.remove(one.onlooker);
   bool is_drawn = false;
   drawn.pictures.ask({.camera = drawn.from(Vec3::UnitX()).camera, .style = {}},
-                     [&](const RenderedImage&, const std::string&) { is_drawn = true; });
+                     [&](const PictureQueue::Picture&, const std::string&) { is_drawn = true; });
   EXPECT_TRUE(drawn.looksUntil([&] { return is_drawn; }));
 }
 

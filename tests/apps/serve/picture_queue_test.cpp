@@ -47,17 +47,37 @@ TEST(PictureQueue, IsDoneWhileEditsGoOnAndOn) {
   Drawn drawn;
   int done = 0;
   for (int i = 0; i < 3; ++i) {
-    drawn.queue.ask({.camera = drawn.camera, .style = {}}, [&](const RenderedImage& image, const std::string& failure) {
-      EXPECT_EQ(failure, "");
-      EXPECT_TRUE(image.complete());
-      ++done;
-    });
+    drawn.queue.ask({.camera = drawn.camera, .style = {}},
+                    [&](const PictureQueue::Picture& image, const std::string& failure) {
+                      EXPECT_EQ(failure, "");
+                      EXPECT_TRUE(image->complete());
+                      ++done;
+                    });
   }
   for (int looks = 0; looks < 3000 && done < 3; ++looks) {
     drawn.edit();
     drawn.look();
   }
   EXPECT_EQ(done, 3);
+}
+
+// A picture of 4096 x 4096 pixels takes 128 MiB until it is packed, which may take longer than drawing the next one.
+TEST(PictureQueue, DrawsNoMoreThanAreLetGo) {
+  Drawn drawn;
+  std::vector<PictureQueue::Picture> kept;
+  std::size_t done = 0;
+  for (int i = 0; i < 6; ++i)
+    drawn.queue.ask({.camera = drawn.camera, .style = {}}, [&](const PictureQueue::Picture& image, const std::string&) {
+      ++done;
+      kept.push_back(image);
+    });
+  for (std::size_t expected = PictureQueue::kMostKept; expected <= 6; ++expected) {
+    for (int looks = 0; looks < 3000 && done < expected; ++looks) drawn.look();
+    EXPECT_EQ(done, expected);
+    for (int looks = 0; looks < 50; ++looks) drawn.look();
+    EXPECT_EQ(done, expected);
+    kept.erase(kept.begin());
+  }
 }
 
 // With every edit that was made before.
@@ -67,8 +87,8 @@ TEST(PictureQueue, HasEveryEditMadeBefore) {
     drawn.edit();
     const RenderedImage expected = drawn.engine.draw(drawn.camera);
     bool is_done = false;
-    drawn.queue.ask({.camera = drawn.camera, .style = {}}, [&](const RenderedImage& image, const std::string&) {
-      EXPECT_EQ(image.rgba, expected.rgba) << i;
+    drawn.queue.ask({.camera = drawn.camera, .style = {}}, [&](const PictureQueue::Picture& image, const std::string&) {
+      EXPECT_EQ(image->rgba, expected.rgba) << i;
       is_done = true;
     });
     for (int looks = 0; looks < 10'000 && !is_done; ++looks) drawn.look();
@@ -82,8 +102,8 @@ TEST(PictureQueue, GoesOnWithAnotherEngine) {
   second.edit();
   const RenderedImage expected = second.engine.draw(first.camera);
   bool is_done = false;
-  first.queue.ask({.camera = first.camera, .style = {}}, [&](const RenderedImage& image, const std::string&) {
-    EXPECT_EQ(image.rgba, expected.rgba);
+  first.queue.ask({.camera = first.camera, .style = {}}, [&](const PictureQueue::Picture& image, const std::string&) {
+    EXPECT_EQ(image->rgba, expected.rgba);
     is_done = true;
   });
   first.look();
@@ -101,9 +121,9 @@ TEST(PictureQueue, GoesOnWithAnotherEngine) {
 TEST(PictureQueue, TellsWhoWaitsThatItEnds) {
   Drawn drawn;
   int told = 0;
-  const auto done = [&](const RenderedImage& image, const std::string& failure) {
+  const auto done = [&](const PictureQueue::Picture& image, const std::string& failure) {
     EXPECT_EQ(failure, "it has ended");
-    EXPECT_FALSE(image.complete());
+    EXPECT_EQ(image, nullptr);
     ++told;
   };
   for (std::size_t i = 0; i < PictureQueue::kMostWaiting; ++i)

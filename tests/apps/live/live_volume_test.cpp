@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files and journal of a volume that is edited while it is touched.
+#include "apps/live/live_volume.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "apps/console/progress.hpp"
+#include "temporary_folder.hpp"
+
+namespace palpate {
+namespace live_volume_test {
+
+using testing::HasSubstr;
+
+class Live : public testing::Test {
+ protected:
+  Live() {
+    Progress silent(nullptr);
+    live_.emplace(
+        LiveVolumeRequest{.volume = "phantom:sphere?size=16", .plan = makePlan({.edits = true}), .work = "a test"},
+        silent, [this](const std::string& words) { told_.push_back(words); });
+  }
+  [[nodiscard]] EditCommand edit() {
+    EditCommand command;
+    command.kind = EditKind::kAdd;
+    command.from_W = command.to_W = live_->volume().lattice().toWorld(Vec3::Constant(2));
+    command.radius_m = 1e-3;
+    return command;
+  }
+  // What became of a file that is asked for.
+  void save() {
+    live_->save((folder_.path() / "out.vdb").string(), 0,
+                [this](const LiveVolume::Saved& saved) { outcomes_.push_back(saved); });
+  }
+  TemporaryFolder folder_;
+  std::vector<std::string> told_;
+  std::vector<LiveVolume::Saved> outcomes_;
+  std::optional<LiveVolume> live_;
+};
+
+TEST_F(Live, AFileThatIsAskedForHasEveryEditUntilThen) {
+  const EditCommand command = edit();
+  live_->edits().edit({command}, [](const std::optional<Error>& refusal) { EXPECT_FALSE(refusal); });
+  live_->edits().doWaiting(0);
+  EXPECT_TRUE(live_->isUnsaved());
+  save();
+  live_->edits().doWaiting(0);
+  live_->close();
+  ASSERT_EQ(outcomes_.size(), 1U);
+  EXPECT_TRUE(outcomes_[0].written) << outcomes_[0].words;
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() / "out.vdb"));
+  EXPECT_FALSE(live_->isUnsaved());
+}
+
+// It is told at once, and with the reason.
+TEST_F(Live, AFileIsRefusedWhereTooManyEditsWait) {
+  const EditCommand command = edit();
+  for (std::size_t i = 0; i < RigEdits::kMostWaiting; ++i)
+    live_->edits().edit({command}, [](const std::optional<Error>& refusal) { EXPECT_FALSE(refusal); });
+  save();
+  ASSERT_EQ(outcomes_.size(), 1U);
+  EXPECT_FALSE(outcomes_[0].written);
+  EXPECT_THAT(outcomes_[0].words, HasSubstr("out.vdb was not written: too many edits wait, or editing has ended"));
+  EXPECT_EQ(live_->errands(), 0U);
+  live_->edits().doWaiting(0);
+  save();
+  live_->close();
+  ASSERT_EQ(outcomes_.size(), 2U);
+  EXPECT_TRUE(outcomes_[1].written) << outcomes_[1].words;
+}
+
+}  // namespace live_volume_test
+}  // namespace palpate
