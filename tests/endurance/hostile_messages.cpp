@@ -24,9 +24,8 @@ std::vector<std::byte> bytesOf(const std::string& text) {
 }
 
 std::vector<std::byte> ask(wire::Verb verb, std::vector<std::string> words, std::uint64_t number = 1) {
-  wire::AskT ask;
+  wire::AskT ask = asking(verb);
   ask.number = number;
-  ask.verb = verb;
   ask.words = std::move(words);
   return encoded(std::move(ask));
 }
@@ -152,8 +151,7 @@ std::string HostileMessages::word() {
 
 // What a window asks for, with a number that cannot be.
 std::vector<std::byte> HostileMessages::refusedView() {
-  wire::AskT ask;
-  ask.verb = wire::Verb::Show;
+  wire::AskT ask = asking(wire::Verb::Show);
   ask.view = std::make_unique<wire::ViewT>();
   wire::ViewT& view = *ask.view;
   const auto along = [](double x, double y, double z) { return std::make_unique<wire::VectorT>(vector(x, y, z)); };
@@ -185,8 +183,7 @@ std::vector<std::byte> HostileMessages::refusedView() {
 
 // What a window asks for with its sliders, with one that cannot be.
 std::vector<std::byte> HostileMessages::refusedSettings() {
-  wire::AskT ask;
-  ask.verb = wire::Verb::Change;
+  wire::AskT ask = asking(wire::Verb::Change);
   ask.settings = wireOf(RigSettings{});
   wire::SettingsT& settings = *ask.settings;
   const double bad[] = {-1, -1e300, std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()};

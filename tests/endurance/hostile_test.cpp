@@ -148,10 +148,10 @@ void Hostile::lookOnBadly(int windows, HostileMessages& from) {
   for (int i = 0; i < windows; ++i) {
     Channel window = connectTo(socket());
     ++connections_;
-    wire::AskT ask;
-    ask.verb = wire::Verb::LookOn;
     Packet packet;
-    if (!window.send(encoded(std::move(ask)), 1000) || window.receive(packet, 5000) != Channel::Got::kPacket) continue;
+    if (!window.send(encoded(asking(wire::Verb::LookOn)), 1000) ||
+        window.receive(packet, 5000) != Channel::Got::kPacket)
+      continue;
     ++sent_;
     if (!packet.attached) {  // others have not been let go yet
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -224,13 +224,15 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
   lookOnBadly(servos, from);
   if (HasFatalFailure()) return;
   EXPECT_TRUE(awaitDescriptors(descriptors)) << openDescriptorsOf(engine.id()) << " after " << descriptors;
+  const std::size_t left_open = openDescriptorsOf(engine.id());
   EXPECT_EQ(threadsOf(engine.id()), threads);
   settle();
   EXPECT_NEAR(force_N_, force_before_N, kCreep_N);
   // A busy machine may take force away for a moment (a stall); nothing may add any.
   EXPECT_LE(largest_N_, force_before_N + kCreep_N);
-  EXPECT_EQ(content(), content_before);
-  EXPECT_EQ(settings(), settings_before);
+  std::size_t changed = content() != content_before ? 1 : 0;
+  changed += settings() != settings_before ? 1U : 0U;
+  EXPECT_EQ(changed, 0U);
   const double grown = ownMemory(engine.id()) / memory - 1;
 
   // The servo leaves, and bad ones come in its place.
@@ -238,12 +240,14 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; }));
   beBadServos(servos, from);
   if (HasFatalFailure()) return;
-  EXPECT_FALSE(engine.hasEnded()) << contentsOf(file("serve.log"));
-  EXPECT_EQ(content(), content_before);
+  const bool has_crashed = engine.hasEnded();
+  EXPECT_FALSE(has_crashed) << contentsOf(file("serve.log"));
+  changed += content() != content_before ? 1U : 0U;
+  EXPECT_EQ(changed, 0U);
   join();
-  ASSERT_TRUE(await([&](const nlohmann::json& now) {
-    return std::abs(double(now["force_N"]) - force_before_N) < 1e-6;
-  })) << contentsOf(file("serve.log"));
+  const bool is_felt_again =
+      await([&](const nlohmann::json& now) { return std::abs(double(now["force_N"]) - force_before_N) < 1e-6; });
+  EXPECT_TRUE(is_felt_again) << contentsOf(file("serve.log"));
   expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   EXPECT_NE(content(), content_before);
   expectSuccess(ctl({"undo"}));
@@ -259,10 +263,10 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
                          {"seconds", seconds},
                          {"memory_grown", grown}});
   result.targets = {
-      {"crashes and hangs", 0, 0},
-      {"changed voxels and settings", 0, 0},
+      {"crashes and hangs", (has_crashed ? 1.0 : 0.0) + (is_felt_again ? 0.0 : 1.0), 0},
+      {"changes of voxels or settings", static_cast<double>(changed), 0},
       {"largest force beyond that of the hand at rest [N]", std::max(0.0, largest_N_ - force_before_N), kCreep_N},
-      {"descriptors left open", 0, 0}};
+      {"descriptors left open", left_open > descriptors ? static_cast<double>(left_open - descriptors) : 0, 0}};
   writeEndurance(
       result, "What hostile messages do to a service",
       "A servo presses a simulated hand on a sphere while clients of the same user send bytes that are no "

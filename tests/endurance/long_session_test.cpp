@@ -160,7 +160,8 @@ TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   stop();
   EXPECT_TRUE(checkpoints().empty());
 
-  BenchResult result = beginEndurance("service-return", run({"--version"}).out, "./dev kills 1000");
+  BenchResult result =
+      beginEndurance("service-return", run({"--version"}).out, fmt::format("./dev kills {}", least / 15));
   result.rows.push_back({{"edits", std::int64_t{edits}},
                          {"made_again", again},
                          {"empty_s", empty_s},

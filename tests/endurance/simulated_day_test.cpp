@@ -60,6 +60,7 @@ TEST(SimulatedDay, MemoryIsFlat) {
   auto [ours, theirs] = channelPair();
   std::thread host([theirs = std::move(theirs)]() mutable { ServoHost(false, "").serve(std::move(theirs)); });
   std::vector<double> looks;
+  std::size_t descriptors = 0;
   std::uint64_t made = 0, refused = 0;
   double force_N = 0;
   LoopResult result;
@@ -84,6 +85,10 @@ TEST(SimulatedDay, MemoryIsFlat) {
           }
           if (tick % kEdit_ticks == kUndo_ticks) static_cast<void>(live.edits().undo(count));
           if (tick % every == 0) looks.push_back(ownMemory(getpid()));
+          if (tick == every) descriptors = openDescriptorsOf(getpid());
+          if (tick == ticks - 1) {
+            EXPECT_EQ(openDescriptorsOf(getpid()), descriptors);
+          }
         });
   }
   host.join();
@@ -100,7 +105,7 @@ TEST(SimulatedDay, MemoryIsFlat) {
 
   BenchResult bench =
       beginEndurance("service-day", runPalpate({.arguments = {"--version"}, .folder = folder.path()}).out,
-                     fmt::format("./dev soak: {:g} h of simulated time", hours));
+                     fmt::format("./dev soak 30 {:g}", hours));
   for (std::size_t i = 0; i < looks.size(); i += std::max<std::size_t>(1, looks.size() / 50))
     bench.rows.push_back(
         {{"at_h", hours * static_cast<double>(i) / static_cast<double>(looks.size())}, {"memory_bytes", looks[i]}});
