@@ -19,7 +19,7 @@ inline void wishLargePages(void* block, std::size_t bytes) noexcept {
   const std::uintptr_t first = (begin + kLargePageBytes - 1) / kLargePageBytes * kLargePageBytes;
   const std::uintptr_t last = end / kLargePageBytes * kLargePageBytes;
   if (first >= last) return;
-  static_cast<void>(madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE));
+  static_cast<void>(madvise(static_cast<std::byte*>(block) + (first - begin), last - first, MADV_HUGEPAGE));
 }
 
 }  // namespace palpate
