@@ -171,7 +171,8 @@ void LiveVolume::save(const std::string& file, double isovalue, std::function<vo
         }
       });
   if (!is_taken)
-    promise->keep({false, fmt::format("{} was not written: too many edits wait, or editing has ended", request.out)});
+    promise->keep(
+        {false, fmt::format("{} was not written: too many requests wait, or editing has ended", request.out)});
 }
 
 bool LiveVolume::isUnsaved() const {
@@ -186,6 +187,7 @@ void LiveVolume::close(KeepJournal keep) {
   const bool unsaved = isUnsaved();
   const bool keeps = keep == KeepJournal::kIfUnsaved ? unsaved : keep == KeepJournal::kAlways;
   if (!journal_.empty() && !keeps) removeJournal(journal_);
+  // With kNever nobody wants the edits, so nobody is told of a journal that lacks them.
   const JournalWriter* journal = session_->journal();
   if (unsaved && keep != KeepJournal::kNever && journal != nullptr && !journal->failure().empty()) {
     throw Error(Error::Code::kIo, journal_.string(), "edits are lost that no file holds: " + journal->failure(),

@@ -90,7 +90,8 @@ class LiveVolume {
   void makeEngineAnew(const Plan& plan);
 
   // When no rig runs any more: does the requests that wait, finishes what save() began, and ends the journal. Deletes
-  // the journal if it is not to be kept. Throws Error(kIo) if neither a file nor the journal holds every edit.
+  // the journal if it is not to be kept. Throws Error(kIo) if neither a file nor the journal holds every edit, unless
+  // nothing is to be kept.
   enum class KeepJournal { kIfUnsaved, kAlways, kNever };
   void close(KeepJournal keep = KeepJournal::kIfUnsaved);
 

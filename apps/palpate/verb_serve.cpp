@@ -111,10 +111,9 @@ void addServoVerb(CLI::App& app) {
       "It stays when the service ends: the force fades, and it goes on with the next one. SIGTERM ends it.\n"
       "Example: palpate servo --connect /run/user/1000/palpate/service.sock");
   auto socket = std::make_shared<std::string>(usualSocket());
-  verb->add_option("--connect,--socket", *socket, "the socket of the service")
+  verb->add_option("--connect,--socket", *socket, "the socket of the service; without a name, the usual one")
       ->capture_default_str()
-      ->expected(0, 1)
-      ->check(notEmpty);
+      ->expected(0, 1);
   auto is_open = std::make_shared<bool>(false);
   verb->add_flag("--no-sandbox", *is_open, "keep all rights, so that a debugger can look into it");
   verb->callback([socket, is_open] { becomeServo(socket->empty() ? usualSocket() : *socket, *is_open); });

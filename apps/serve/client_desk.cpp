@@ -307,7 +307,9 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
       return inOrder(done, [this, done, file = ask.words[0]] {
         served_.save(file, [done](const LiveVolume::Saved& saved) {
           if (saved.written) return done({}, saved.words);
-          done(Error(Error::Code::kIo, "the volume", saved.words, "see that there is room, and ask again"), {});
+          done(Error(Error::Code::kIo, "the volume", saved.words,
+                     "see that there is room, or ask again when other requests are done"),
+               {});
         });
       });
     case wire::Verb::Filter:

@@ -33,13 +33,14 @@ std::string textOf(const Scene& scene, const std::string& key) {
   return optionText(optionOfKey(key)->value, scene);
 }
 
-// A table without rows, which no flag can give, but a window.
+// Null: it is no table.
 const TableOption* tableOf(const std::string& key) {
   return std::get_if<TableOption>(&optionOfKey(key)->value);
 }
 
 void setIn(Scene& scene, const std::string& key, const std::string& text) {
   if (key == kFilter && text.empty()) return scene.filter.clear();
+  // A window can clear a table; the text of a flag cannot.
   if (const TableOption* const table = tableOf(key); table != nullptr && text.empty())
     return (scene.*table->member).clear();
   const SceneOption& option = *optionOfKey(key);
@@ -104,7 +105,7 @@ void KeptSettings::take(const std::string& text) {
     setIn(taken_, key, one.set);
     kept_[key] = one;
   }
-  overtaken_ = fmt::format("{}", fmt::join(overtaken, ", "));
+  overtaken_ = fmt::to_string(fmt::join(overtaken, ", "));
   file_differs_ = !overtaken.empty();
 }
 

@@ -33,7 +33,7 @@ class KeptSettings {
   [[nodiscard]] const Scene& taken() const noexcept { return taken_; }
   // Nothing is taken if this throws for taken(), which is told.
   void check(const std::function<void(const Scene&)>& fits);
-  // The same, told: nothing of it is taken.
+  // Forgets what was kept, and tells why.
   void takeNone(const std::string& why);
   // The scene as the service begins with it: with what it has chosen where the user leaves it to the program, and
   // perhaps without some of taken(). Tells what is in effect, and what is not. Before look().
@@ -41,9 +41,8 @@ class KeptSettings {
   // The user's scene was read again, and its settings are in effect.
   void reread(const Scene& wanted);
   [[nodiscard]] bool isDue(std::int64_t now_ns) const noexcept { return now_ns - looked_at_ns_ >= kEvery_ns; }
-  // When it is due: the scene as it is served now. An isovalue that is not felt yet is not kept: if what it takes were
-  // the end of the service, that would end the next one, too. A file that cannot be written is told once, and tried
-  // again.
+  // When it is due: the scene as it is served now. An isovalue that is not felt yet is not kept: if changing to it
+  // ended the service, it would end the next one too. A file that cannot be written is told once, and tried again.
   void look(const Scene& served, std::int64_t now_ns, bool isovalue_is_felt = true);
   // The end in good order. Removes the file.
   void forget();

@@ -18,7 +18,7 @@ void PictureQueue::ask(ViewRequest request, Done done) {
 bool PictureQueue::drawOn(std::uint64_t edit_version, bool may_begin) {
   if (!drawing_) {
     std::erase_if(handed_out_, [](const auto& one) { return one.expired(); });
-    if (!may_begin || handed_out_.size() >= kMostKept) return false;
+    if (!may_begin || handed_out_.size() >= kMostHandedOut) return false;
     std::unique_lock lock(mutex_);
     if (waiting_.empty()) return false;
     drawing_ = std::move(waiting_.front());

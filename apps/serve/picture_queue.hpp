@@ -25,7 +25,7 @@ class PictureQueue {
   using Picture = std::shared_ptr<const RenderedImage>;
   using Done = std::function<void(const Picture& picture, const std::string& failure)>;
   static constexpr std::size_t kMostWaiting = 16;
-  static constexpr std::size_t kMostKept = 2;  // of those handed out; the next is not begun until one is let go
+  static constexpr std::size_t kMostHandedOut = 2;  // that are not let go yet; no other is begun meanwhile
 
   // Throws Error(kOutOfMemory) if too many wait.
   void ask(ViewRequest request, Done done);
@@ -48,10 +48,10 @@ class PictureQueue {
   };
   std::optional<LiveView> view_{std::in_place};
   std::optional<Drawing> drawing_;
-  std::uint64_t from_edits_ = 0;  // that its frame shows
-  std::uint64_t request_ = 0;     // its number in the view
-  std::vector<std::weak_ptr<const RenderedImage>> handed_out_;
-  std::mutex mutex_;  // guards the next
+  std::uint64_t from_edits_ = 0;                                // that its frame shows
+  std::uint64_t request_ = 0;                                   // its number in the view
+  std::vector<std::weak_ptr<const RenderedImage>> handed_out_;  // engine's thread; expired: let go
+  std::mutex mutex_;                                            // guards the next
   std::deque<Drawing> waiting_;
 };
 

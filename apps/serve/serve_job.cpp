@@ -108,7 +108,8 @@ std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolum
   });
 }
 
-// Filters from before a crash may ask for more than there is now; then it begins without what was set.
+// Filters that were set before a crash may need more memory than there is now. The service then starts without anything
+// that was set.
 std::unique_ptr<ServedVolume> servedOf(const ServeRequest& request, KeptSettings& settings,
                                        const std::filesystem::path& journal, Progress& progress) {
   const auto made = [&] {
@@ -120,8 +121,9 @@ std::unique_ptr<ServedVolume> servedOf(const ServeRequest& request, KeptSettings
   try {
     return made();
   } catch (const Error& error) {
-    if (settings.taken().filter == request.scene.filter || error.code() == Error::Code::kCancelled) throw;
-    settings.takeNone(error.what());
+    const bool may_be_theirs = error.code() == Error::Code::kOutOfMemory || error.code() == Error::Code::kDevice;
+    if (settings.taken().filter == request.scene.filter || !may_be_theirs) throw;
+    settings.takeNone(fmt::format("the service does not start with them ({})", error.what()));
   }
   return made();
 }

@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "apps/serve/flat_heap.hpp"
 #include "apps/serve/served_engine.hpp"
 #include "apps/serve/served_volume.hpp"
@@ -13,8 +15,9 @@
 namespace palpate {
 namespace {
 
-constexpr std::chrono::milliseconds kForMemory{200};  // that somebody else may give back
-// The engine may be made so long until it counts as hanging: the largest volume with filters on a slow device.
+constexpr std::chrono::milliseconds kMemoryRetry{200};  // until the next try: another program may give memory back
+// An engine that takes longer to be made counts as hanging. The largest volume with filters may need most of it on a
+// slow device.
 constexpr std::int64_t kMakeAnew_ns = 600'000'000'000;
 
 Error asError(const std::exception& failure, const char* what) {
@@ -24,13 +27,9 @@ Error asError(const std::exception& failure, const char* what) {
 
 }  // namespace
 
-bool ServedVolume::isLost() const {
-  const LiveVolume& live = engine_->live();
-  return live.engine().broken() || !live.edits().counts().editing;
-}
-
 bool ServedVolume::mustBeMadeAnew() const {
-  if (isLost()) return true;
+  const LiveVolume& live = engine_->live();
+  if (live.engine().broken() || !live.edits().counts().editing) return true;
   const std::lock_guard lock(mutex_);
   return wanted_filter_.has_value();
 }
@@ -68,31 +67,33 @@ void ServedVolume::makeAnew() {
   }
   servo_.reset();  // to whose memory the engine before wrote
   giveFreeHeapBack();
-  Done same;  // asked for what was being made meanwhile
+  Done also;  // of a client that asked meanwhile for the same filters
   {
     const std::scoped_lock lock(engines_, mutex_);
     scene_.filter = next.filter;
     ++status_.engines;
     if (wanted_filter_ == next.filter) {
       wanted_filter_.reset();
-      same = std::exchange(filter_done_, {});
+      also = std::exchange(filter_done_, {});
     }
     is_ready_ = true;
     looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
   }
   if (done) done(refusal);
-  if (same) same({});
+  if (also) also({});
 }
 
 void ServedVolume::noteLost() {
-  mayGoOn();
+  if (!lost_.mayGoOn(monotonicNow_ns()))
+    throw Error(Error::Code::kDevice, "the engine", "its device has failed again and again",
+                "see the driver's messages, or choose another device with --gpu; the edits are in the journal");
   tell_("the Vulkan device has failed; the engine is made anew from the volume with its edits");
 }
 
-void ServedVolume::mayGoOn() {
-  if (lost_.mayGoOn(monotonicNow_ns())) return;
-  throw Error(Error::Code::kDevice, "the engine", "its device has failed again and again",
-              "see the driver's messages, or choose another device with --gpu; the edits are in the journal");
+void ServedVolume::noteLackOfMemory(const Error& lack) {
+  if (!lost_.mayGoOn(monotonicNow_ns()))
+    throw Error(Error::Code::kOutOfMemory, "the engine", fmt::format("it cannot be made anew: {}", lack.what()),
+                "end other programs that hold the device's memory, and start again; the edits are in the journal");
 }
 
 // Begins with the first isovalue; that of the scene is taken then. The device may be lost meanwhile, too, or another
@@ -106,8 +107,8 @@ void ServedVolume::makeEngine(const Scene& scene, Patience patience) {
       if (error.code() != Error::Code::kDevice && !(lacks_memory && patience == Patience::kForMemory)) throw;
       tell_(error.what());
       if (lacks_memory) {
-        mayGoOn();
-        std::this_thread::sleep_for(kForMemory);
+        noteLackOfMemory(error);
+        std::this_thread::sleep_for(kMemoryRetry);
       } else {
         noteLost();
       }

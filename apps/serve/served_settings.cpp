@@ -32,14 +32,16 @@ void ServedVolume::takeSettings(const Scene& settings) {
   scene_ = withUsual(first_scene_);
   scene_.filter = settings.filter;
   scene_.isovalue = first_isovalue_;
+  if (first_scene_.isovalue && engine_->canChangeIsovalue()) scene_.isovalue = first_scene_.isovalue;
   Scene next = withUsual(settings);
   // The engine begins with the journal's, if there are edits from before, whatever the scene says.
   const bool goes_elsewhere = settings.isovalue && static_cast<float>(*settings.isovalue) != first_isovalue_;
-  if (goes_elsewhere && !engine_->canChangeIsovalue())
+  const bool is_the_scenes = settings.isovalue == first_scene_.isovalue;  // what is kept is told by KeptSettings
+  if (goes_elsewhere && is_the_scenes && !engine_->canChangeIsovalue())
     tell_(fmt::format(
-        "the isovalue stays {}, that of the edits from before, and is not {}: what is on the device serves the first "
-        "one alone; undo the edits, or name another --journal",
-        first_isovalue_, *settings.isovalue));
+        "isovalue {}: the edits from before were made with {}, and this scene's samples serve that one alone; undo the "
+        "edits, or name another --journal",
+        *settings.isovalue, first_isovalue_));
   if (!goes_elsewhere || !engine_->canChangeIsovalue()) next.isovalue = first_isovalue_;
   try {
     checkFollowsEdits(next.algorithm, "servo.algorithm = " + next.algorithm);
@@ -47,7 +49,7 @@ void ServedVolume::takeSettings(const Scene& settings) {
     static_cast<void>(makeAlgorithm(settingsOf(next), RigVolume{.scale = engine_->scale()}));
     scene_ = next;
   } catch (const Error& error) {
-    tell_(fmt::format("settings from before are not taken: {}", error.what()));
+    tell_(fmt::format("settings from before do not fit: {}", error.what()));
   }
 }
 

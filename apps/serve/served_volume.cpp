@@ -187,7 +187,8 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   RigSettings first = rigSettings(scene(), engine.isovalue());
   first.parameters.isovalue = engine.isovalue();
   std::atomic<bool> is_broken{false};  // the engine, which a picture can have met while nothing is edited
-  // A servo that lets the engine wait, and then makes no loop, waits as long: edits are made meanwhile.
+  // While the rig waits for the servo's answers no edit is made. So after a failure no servo is taken in for as long as
+  // that wait took.
   const std::int64_t from_ns = monotonicNow_ns();
   std::optional<TouchRig> made;
   try {

@@ -127,8 +127,7 @@ class ServedVolume {
   enum class Patience : std::uint8_t { kNone, kForMemory };
   void makeEngine(const Scene& scene, Patience patience);
   void noteLost();
-  void mayGoOn();
-  [[nodiscard]] bool isLost() const;
+  void noteLackOfMemory(const Error& lack);
   [[nodiscard]] bool mustBeMadeAnew() const;
   void lendRig(TouchRig* rig);
   void heedRig(TouchRig& rig);
@@ -161,7 +160,7 @@ class ServedVolume {
   Onlookers onlookers_;
   std::vector<TickRecord> told_;  // to them; kept for its memory
   std::int64_t memory_at_ns_ = 0;
-  std::int64_t next_servo_ns_ = 0;  // when one is taken in again
+  std::int64_t next_servo_ns_ = 0;  // no servo is taken in before this [ns]
 
   mutable std::mutex engines_;  // guards the next, and what of engine_ depends on its filters
   bool is_ready_ = true;        // false: the engine is being made anew
@@ -181,7 +180,7 @@ class ServedVolume {
   ServedStatus status_;
 
   std::atomic<bool> stop_{false}, failed_{false};
-  std::atomic<std::int64_t> looked_at_ns_{0};  // far in the future: the engine is being made
+  std::atomic<std::int64_t> looked_at_ns_{0};  // while an engine is being made: by when it must be done
   std::exception_ptr failure_;
   bool closed_ = false;
   std::optional<ServoDoor> door_;

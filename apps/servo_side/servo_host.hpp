@@ -19,9 +19,9 @@ namespace palpate {
 
 class ServoHost {
  public:
-  // `commit`: of this program, which must be the engine's. `tell`, where the servo stays: what real time a loop that
-  // begins lacks, since no result says it.
   using Tell = std::function<void(const std::string&)>;
+  // `commit`: of this program, which must be the engine's. `tell`: of a servo that stays, what real time its loop
+  // lacks; no result would say it.
   ServoHost(bool stays, std::string commit, Tell tell = {});
   ~ServoHost();  // the force goes to zero; the device is let go
 

@@ -14,8 +14,8 @@ struct ServoKeeping {
   std::string socket;  // that engines listen at
   std::string commit;  // of this program
   std::function<bool()> stopped;
-  std::function<void(const std::string&)> tell;  // that an engine came, went or was refused, the same words once; and
-                                                 // what real time the system refuses
+  // That an engine came, went or was refused, the same words once; and what real time a loop lacks, once for each loop.
+  std::function<void(const std::string&)> tell;
 };
 
 // Throws nothing but what ServoHost's end throws: an engine that is not there, not this user's, or asks for what cannot

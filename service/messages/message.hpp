@@ -31,7 +31,7 @@ template <class Content>
 // not know.
 [[nodiscard]] wire::BodyUnion decoded(std::span<const std::byte> bytes, const std::string& from);
 
-// Of questions and answers, raised whenever what they mean changes.
+// Version of questions and answers. Raise it whenever the meaning of one changes.
 inline constexpr std::uint32_t kProtocol = 1;
 // A question of this program, still without its number and words.
 [[nodiscard]] wire::AskT asking(wire::Verb verb);

@@ -109,6 +109,7 @@ class LongSession : public ServiceTest {
 
 TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   const int least = static_cast<int>(numberOf("PALPATE_SESSION_EDITS", 1000));
+  constexpr int kEditsOfAKill = 15;  // as ./dev kills has it
   const double empty_s = comeBack();
   const std::uint64_t start = contentSavedAs("start.vdb");
   const int edits = editUntilCheckpoints(least);
@@ -161,7 +162,7 @@ TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   EXPECT_TRUE(checkpoints().empty());
 
   BenchResult result =
-      beginEndurance("service-return", run({"--version"}).out, fmt::format("./dev kills {}", least / 15));
+      beginEndurance("service-return", run({"--version"}).out, fmt::format("./dev kills {}", least / kEditsOfAKill));
   result.rows.push_back({{"edits", std::int64_t{edits}},
                          {"made_again", again},
                          {"empty_s", empty_s},

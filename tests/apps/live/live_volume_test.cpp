@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files and journal of a volume that is edited while it is touched.
+// Files of a volume that is edited while it is touched, and its end.
 #include "apps/live/live_volume.hpp"
 
 #include <filesystem>
@@ -65,7 +65,7 @@ TEST_F(Live, AFileIsRefusedWhereTooManyEditsWait) {
   save();
   ASSERT_EQ(outcomes_.size(), 1U);
   EXPECT_FALSE(outcomes_[0].written);
-  EXPECT_THAT(outcomes_[0].words, HasSubstr("out.vdb was not written: too many edits wait, or editing has ended"));
+  EXPECT_THAT(outcomes_[0].words, HasSubstr("out.vdb was not written: too many requests wait, or editing has ended"));
   EXPECT_EQ(live_->errands(), 0U);
   live_->edits().doWaiting(0);
   save();

@@ -430,13 +430,16 @@ TEST_F(BadClients, OneThatSaysNothing) {
 
 TEST_F(BadClients, OneThatAsksTooOften) {
   Channel client = connected();
+  // The rate itself is held in asking_rate_test.cpp; here a client must be fast enough to exceed it.
+  constexpr double kWithin_s = 60;
   int asked = 0, answered = 0;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kWithin_s);
   while (client.open() && std::chrono::steady_clock::now() < end) {
     if (asked - answered < 10 && client.send(question(wire::Verb::Status), 0)) ++asked;
     Packet packet;
     while (client.receive(packet, 0) == Channel::Got::kPacket) ++answered;
   }
+  if (client.open() && asked / kWithin_s < 2200) GTEST_SKIP() << "this machine asks " << asked << " times in 60 s";
   EXPECT_FALSE(client.open()) << asked;
   EXPECT_GE(answered, 3900);
   EXPECT_TRUE(isTold("is dropped: it asks more often than 2000 times a second")) << contentsOf(file("serve.log"));
@@ -466,14 +469,18 @@ TEST_F(BadClients, OneOfAnotherProtocol) {
   }
 }
 
-// More questions at once than may be open are refused, each by its number; the others are answered.
+// More questions at once than may be open are refused, each by its number; the others are answered. They come while
+// the service stands still, so that no answer comes between.
 TEST_F(BadClients, OneWithTooManyOpenQuestions) {
-  constexpr std::uint64_t kAsked = 300;
   Channel client = connected();
-  std::uint64_t made = 0, refused = 0, asked = 0;
-  for (Packet packet; made + refused < kAsked;) {
-    if (asked < kAsked && client.send(question(wire::Verb::Edit, ++asked, {"add:radius=1mm:at=-12,-12,-12mm"}), 1000))
-      continue;
+  engine.send(SIGSTOP);
+  std::uint64_t asked = 0;
+  while (asked < 200 && client.send(question(wire::Verb::Edit, asked + 1, {"add:radius=1mm:at=-12,-12,-12mm"}), 0))
+    ++asked;
+  engine.send(SIGCONT);
+  ASSERT_GT(asked, 100U);
+  std::uint64_t made = 0, refused = 0;
+  for (Packet packet; made + refused < asked;) {
     ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);
     wire::BodyUnion body = decoded(packet.bytes, "the service");
     const auto* const answer = contentOf<wire::AnswerT>(body);

@@ -71,7 +71,7 @@ TEST(PictureQueue, DrawsNoMoreThanAreLetGo) {
       ++done;
       kept.push_back(image);
     });
-  for (std::size_t expected = PictureQueue::kMostKept; expected <= 6; ++expected) {
+  for (std::size_t expected = PictureQueue::kMostHandedOut; expected <= 6; ++expected) {
     for (int looks = 0; looks < 3000 && done < expected; ++looks) drawn.look();
     EXPECT_EQ(done, expected);
     for (int looks = 0; looks < 50; ++looks) drawn.look();
