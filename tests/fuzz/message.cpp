@@ -27,7 +27,9 @@ void readAgain(const Wire& wire, Read read) {
   }
   fuzz::mustAccept("what was read is refused", [&] {
     const auto again = read(wireOf(*value));
-    if constexpr (std::equality_comparable<decltype(again)>) fuzz::require(again == *value, "it comes out otherwise");
+    // Whoever acts on settings refuses numbers that are none; they equal not even themselves.
+    if constexpr (std::equality_comparable<decltype(again)>)
+      fuzz::require(again == *value || *value != *value, "it comes out otherwise");
   });
 }
 
