@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A disk that gets full while a session is journalled and saved: the session goes on, the user is told up to which
 // record edits are saved, nothing is half-written, and what was told is what `recover` gives back.
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -120,7 +122,8 @@ TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
   const std::filesystem::path disk = file("disk");
   std::filesystem::create_directory(disk);
   if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
-    GTEST_SKIP() << "a file system of its own cannot be mounted here: run the test as root";
+    GTEST_SKIP() << "no file system can be mounted here (" << std::strerror(errno)
+                 << "): only root may, with CAP_SYS_ADMIN";
   write("disk/sculpted.nrrd", "old");
   const Outcome outcome = run(session("disk/"));
   expectAllIsTold(outcome, "disk/");
@@ -133,7 +136,8 @@ TEST_F(FullDisk, WithItsLogOnTheFullFileSystemTheSessionGoesOn) {
   const std::filesystem::path disk = file("disk");
   std::filesystem::create_directory(disk);
   if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
-    GTEST_SKIP() << "a file system of its own cannot be mounted here: run the test as root";
+    GTEST_SKIP() << "no file system can be mounted here (" << std::strerror(errno)
+                 << "): only root may, with CAP_SYS_ADMIN";
   write("disk/sculpted.nrrd", "old");
   write("disk/log", "");
   const Outcome outcome =

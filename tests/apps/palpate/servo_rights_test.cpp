@@ -38,10 +38,7 @@ std::map<std::string, std::string> statusOf(const std::filesystem::path& task) {
 
 class ServoRights : public ServiceTest {
  protected:
-  void SetUp() override {
-    if (!hasCallFilters()) GTEST_SKIP() << "this kernel has no seccomp";
-    write("press.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.014\n0.3,0,0,0.0102\n");
-  }
+  void SetUp() override { write("press.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.014\n0.3,0,0,0.0102\n"); }
   // Its threads, of which one is the loop's.
   static void expectNoRights(pid_t process) {
     int threads = 0;
@@ -49,7 +46,7 @@ class ServoRights : public ServiceTest {
       std::map<std::string, std::string> status = statusOf(task.path());
       ++threads;
       EXPECT_EQ(status["NoNewPrivs"], "1") << status["Name"];
-      EXPECT_EQ(status["Seccomp"], "2") << status["Name"];
+      EXPECT_EQ(status["Seccomp"], hasCallFilters() ? "2" : statusOf("/proc/self")["Seccomp"]) << status["Name"];
       for (const char* set : {"CapInh", "CapAmb"}) EXPECT_EQ(status[set], kNone) << status["Name"];
       for (const char* set : {"CapPrm", "CapEff"})
         EXPECT_EQ(std::stoull(status[set], nullptr, 16) & ~kOfRealTime, 0U) << status["Name"];
@@ -109,7 +106,7 @@ TEST_F(ServoRights, AreGivenUpByOneThatStays) {
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("servo.log"));
   expectNoRights(servo.id());
   EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("servo: it has given up new privileges, "));
-  EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("system calls, but for a list"));
+  EXPECT_EQ(contentsOf(file("servo.log")).find("system calls, but for a list") != std::string::npos, hasCallFilters());
   // Another engine, of another scene: device and loop begin anew behind the same fences.
   engine.end(SIGKILL);
   serve({kSphere, "--path", "press.csv", "--stiffness", "500"});
@@ -131,7 +128,9 @@ TEST_F(ServoRights, AreGivenUpByOneThatAnEngineStarts) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   ASSERT_GT(child, 0) << contentsOf(file("touch.log"));
   expectNoRights(child);
-  EXPECT_THAT(contentsOf(file("touch.log")), Not(HasSubstr("it has given up")));  // it tells what is missing alone
+  if (hasCallFilters()) {
+    EXPECT_THAT(contentsOf(file("touch.log")), Not(HasSubstr("it has given up")));  // it tells what is missing alone
+  }
 }
 
 // For a debugger.

@@ -210,13 +210,11 @@ TEST_F(Supervisor, KillsWhatDoesNotEnd) {
 // One that writes a large file is waited for, though another one is not.
 TEST_F(Supervisor, WaitsForEachAsLongAsItMay) {
   settings.patience_s = kNoPatience_s;
-  SupervisedCommand engine =
-      command("engine", saysAt("TERM", "touch told; " + waitsFor("written") + "exit 0") + "touch ready; " + kGoesOn);
+  SupervisedCommand engine = command("engine", saysAt("TERM", "sleep 0.3; exit 0") + "touch ready; " + kGoesOn);
   engine.patience_s = kLongPatience_s;
-  const SupervisionEnd end =
-      supervise({command("servo", "trap '' TERM; " + waitsFor("told") + "sleep 0.2; touch written; " + kGoesOn), engine,
-                 command("first", waitsFor("ready") + "exit 0", true)},
-                settings);
+  const SupervisionEnd end = supervise({command("servo", std::string("trap '' TERM; ") + kGoesOn), engine,
+                                        command("first", waitsFor("ready") + "exit 0", true)},
+                                       settings);
   EXPECT_EQ(end.killed, 1);
   EXPECT_EQ(said(), "TERM\n");
 }
