@@ -264,7 +264,7 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
                          {"memory_grown", grown}});
   result.targets = {
       {"crashes and hangs", (has_crashed ? 1.0 : 0.0) + (is_felt_again ? 0.0 : 1.0), 0},
-      {"changes of voxels or settings", static_cast<double>(changed), 0},
+      {"changed voxels and settings", static_cast<double>(changed), 0},
       {"largest force beyond that of the hand at rest [N]", std::max(0.0, largest_N_ - force_before_N), kCreep_N},
       {"descriptors left open", left_open > descriptors ? static_cast<double>(left_open - descriptors) : 0, 0}};
   writeEndurance(
