@@ -77,6 +77,11 @@ void printText(std::string_view text) noexcept {
   note(std::fwrite(text.data(), 1, text.size(), stdout) < text.size());
 }
 
+void flushResults() noexcept {
+  errno = 0;
+  note(std::fflush(stdout) != 0);
+}
+
 int resultError() noexcept {
   errno = 0;
   note(std::fflush(stdout) != 0 || std::ferror(stdout) != 0);

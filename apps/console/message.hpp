@@ -37,6 +37,9 @@ void printResult(fmt::format_string<Args...> format, Args&&... args) {
   printText(fmt::format(format, std::forward<Args>(args)...));
 }
 
+// For results that are read while the program runs on.
+void flushResults() noexcept;
+
 // Flushes standard output. 0, or the errno value of the first error in writing a result.
 [[nodiscard]] int resultError() noexcept;
 

@@ -133,11 +133,13 @@ class LiveVolume::SavePromise {
     ++live_.errands_;
   }
   ~SavePromise() {
-    if (!kept_) done_({false, file_ + " was not written: editing has ended"});
+    if (!kept_)
+      refuse(Error(Error::Code::kCancelled, file_, "it was not written: editing has ended", "start again, and save"));
     --live_.errands_;
   }
   SavePromise(const SavePromise&) = delete;
   SavePromise& operator=(const SavePromise&) = delete;
+  void refuse(const Error& why) { keep({false, why.what(), why}); }
   void keep(const Saved& outcome) {
     done_(outcome);
     kept_ = true;
@@ -167,12 +169,17 @@ void LiveVolume::save(const std::string& file, double isovalue, std::function<vo
           if (is_volume) saved_version_ = std::max(saved_version_.load(), content);
           promise->keep({true, convertWords(request, result)});
         } catch (const std::exception& error) {
-          promise->keep({false, fmt::format("{} was not written: {}", request.out, error.what())});
+          const auto* const known = dynamic_cast<const Error*>(&error);
+          promise->refuse(known != nullptr ? *known
+                                           : Error(Error::Code::kOutOfMemory, request.out,
+                                                   fmt::format("it was not written: {}", error.what()),
+                                                   "end other programs, and save again"));
         }
       });
   if (!is_taken)
-    promise->keep(
-        {false, fmt::format("{} was not written: too many requests wait, or editing has ended", request.out)});
+    promise->refuse(Error(Error::Code::kOutOfMemory, request.out,
+                          "it was not written: too many requests wait, or editing has ended",
+                          "save again when others are done"));
 }
 
 bool LiveVolume::isUnsaved() const {

@@ -18,6 +18,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/rig/rig_edits.hpp"
+#include "base/error.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/journal/replay.hpp"
 #include "engine/plan/plan.hpp"
@@ -77,7 +78,8 @@ class LiveVolume {
   // (apps/convert).
   struct Saved {
     bool written = false;
-    std::string words;
+    std::string words;                  // for people: what was written, or why it was not
+    std::optional<Error> refusal = {};  // why it was not
   };
   void save(const std::string& file, double isovalue, std::function<void(const Saved&)> done);
   [[nodiscard]] std::size_t errands() const noexcept { return errands_.load(); }  // saves that are under way

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include "apps/console/message.hpp"
 #include "apps/serve/served_status.hpp"
 #include "apps/serve/service_client.hpp"
+#include "base/error.hpp"
 #include "service/channel/usual_socket.hpp"
 #include "verbs.hpp"
 
@@ -45,7 +47,8 @@ CLI::App* addAsking(
   CLI::App* const sub = ctl.add_subcommand(name, help);
   sub->fallthrough();  // takes --socket, too
   sub->callback([arguments, verb, words] {
-    tellAnswer(ServiceClient(arguments->socket).ask(verb, words(*arguments), kLong_ms));
+    Words asked = words(*arguments);  // first: what is refused here needs no service
+    tellAnswer(ServiceClient(arguments->socket).ask(verb, std::move(asked), kLong_ms));
   });
   return sub;
 }
@@ -60,6 +63,15 @@ Words withWholePaths(Words edits) {
     if (end > begin) edit.replace(begin, end - begin, absolute(edit.substr(begin, end - begin)));
   }
   return edits;
+}
+
+// "KEY VALUE" or "KEY=VALUE".
+Words keyAndValue(const std::string& key, const std::string& value) {
+  if (!value.empty()) return {key, value};
+  const std::size_t sign = key.find('=');
+  if (sign == std::string::npos)
+    refuse(key, "no value is given for it", fmt::format("as 'palpate ctl set {} VALUE'", key));
+  return {key.substr(0, sign), key.substr(sign + 1)};
 }
 
 nlohmann::json statusOf(const ServiceAnswer& answer) {
@@ -94,11 +106,10 @@ void addCtlVerb(CLI::App& app) {
       ->add_option("file", arguments->file, "as skull.stl")
       ->required();
   CLI::App* const set = addAsking(*ctl, arguments, "set", "change a setting while it is served (docs/service.md)",
-                                  wire::Verb::Set, [](const CtlArguments& a) {
-                                    return Words{a.key, a.value};
-                                  });
+                                  wire::Verb::Set, [](const CtlArguments& a) { return keyAndValue(a.key, a.value); });
   set->add_option("key", arguments->key, "as servo.stiffness_N_per_m")->required();
-  set->add_option("value", arguments->value, "as 800, in the unit that the key names")->required();
+  set->add_option("value", arguments->value, "as 800, in the unit that the key names; or KEY=VALUE in one word");
+  set->footer("Example: palpate ctl set servo.stiffness_N_per_m 800");
   addAsking(*ctl, arguments, "get", "print settings", wire::Verb::Get, words)
       ->add_option("keys", arguments->words, "all if none is named");
   CLI::App* const render = addAsking(
@@ -120,6 +131,7 @@ void addCtlVerb(CLI::App& app) {
   addAsking(*ctl, arguments, "filter", "feel the volume through other filters (docs/filters.md)", wire::Verb::Filter,
             [](const CtlArguments& a) { return Words{a.filter}; })
       ->add_option("filters", arguments->filter, "as \"median:1 gaussian:0.8mm\"; none if not given");
+  ctl->get_subcommand("filter")->footer("Example: palpate ctl filter \"median:1 gaussian:0.8mm\"");
   addAsking(*ctl, arguments, "stop", "end the service in good order", wire::Verb::Leave);
 }
 

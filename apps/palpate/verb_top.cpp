@@ -27,6 +27,8 @@ namespace {
 constexpr int kPatience_ms = 1000;  // then a line says that the service does not answer
 constexpr int kLinesBetweenHeads = 20;
 constexpr double kMiB = 1 << 20U;
+constexpr const char* kProgram = "palpate top";
+constexpr double kOld_ms = 500;  // a pose of a servo or an engine that stands still
 
 struct TopArguments {
   std::string socket = usualSocket();
@@ -38,7 +40,7 @@ using Figures = std::map<std::string, double>;
 
 class Watch {
  public:
-  explicit Watch(const TopArguments& arguments) : arguments_(arguments) { client_.emplace(arguments.socket); }
+  explicit Watch(const TopArguments& arguments) : arguments_(arguments) { client_.emplace(arguments.socket, kProgram); }
 
   void run() {
     for (int look = 0; arguments_.count == 0 || look < arguments_.count; ++look) {
@@ -51,7 +53,7 @@ class Watch {
   // An engine that was killed is started again by its supervisor, and this goes on with it.
   bool reconnect() {
     try {
-      client_.emplace(arguments_.socket);
+      client_.emplace(arguments_.socket, kProgram);
       last_.clear();
       return true;
     } catch (const Error& error) {
@@ -81,22 +83,29 @@ class Watch {
     const std::int64_t now_ns = monotonicNow_ns();
     const double passed_s = static_cast<double>(now_ns - last_ns_) / kNanosecondsPerSecond;
     const auto value = [&](const char* key) { return now.contains(key) ? now.at(key) : 0; };
+    const auto last = [&](const char* key) { return last_.contains(key) ? last_.at(key) : 0; };
     const auto rate = [&](const char* key) {
-      return last_.contains(key) ? std::max(0.0, value(key) - last_.at(key)) / passed_s : 0;
+      return last_.contains(key) ? std::max(0.0, value(key) - last(key)) / passed_s : 0;
     };
     const bool has_servo = value("servo") > 0;
+    // By the times of the poses: after a pause the newest one may be old, or the tick another servo's.
+    const double posed_s = passed_s - 1e-3 * (value("pose_age_ms") - last("pose_age_ms"));
+    const bool is_same = has_servo && last("servo") > 0 && value("servos") == last("servos") && posed_s > 0;
+    const double ticks_per_s = is_same ? std::max(0.0, value("tick") - last("tick")) / posed_s : 0;
     printText(fmt::format(
         "{:<5}  {:>7.0f}  {:>9.1f}  {:>11.1f}  {:>9.2f}  {:<7}  {:>9.0f}  {:>7.1f}  {:>7.0f}  {:>4.0f}/{:<4.0f}  "
         "{:>7.0f}  "
         "{:>7.0f}  {:>20.1f}  {:>5.1f}  {:>5.1f}  {}\n",
-        has_servo ? "on" : "off", rate("tick"), value("pose_age_ms"), value("window_age_ms"), value("force_N"),
-        value("force_off") > 0 ? "off"
-        : value("contact") > 0 ? "yes"
-                               : "no",
+        has_servo ? "on" : "off", ticks_per_s, value("pose_age_ms"), value("window_age_ms"), value("force_N"),
+        value("force_off") > 0           ? "off"
+        : value("pose_age_ms") > kOld_ms ? "old"
+        : value("contact") > 0           ? "yes"
+                                         : "no",
         rate("windows"), rate("edits"), value("waiting"), value("undoable"), value("redoable"),
         value("waiting_for_disk"), value("clients"), value("engine_memory_bytes") / kMiB,
         value("servo_memory_bytes") / kMiB, value("gpu_bytes") / kMiB,
         has_servo ? faultNames(static_cast<std::uint32_t>(value("faults"))) : "-"));
+    flushResults();  // also into a pipe
     last_ = now;
     last_ns_ = now_ns;
   }
@@ -104,7 +113,7 @@ class Watch {
   void pause() const {
     constexpr double kLook_s = 0.05;
     for (double waited_s = 0; waited_s < arguments_.every_s; waited_s += kLook_s) {
-      throwIfInterrupted("palpate top", "the service goes on");
+      throwIfInterrupted(kProgram, "the service goes on");
       std::this_thread::sleep_for(std::chrono::duration<double>(kLook_s));
     }
   }

@@ -74,6 +74,11 @@ bool TouchRig::mayShake(const RigSettings& settings) const {
   return palpate::mayShake(settings, loop_settings_, servo_.device());
 }
 
+std::vector<std::string> TouchRig::warnings(const RigSettings& settings) const {
+  if (servo_.device().limits().force_delay_ticks > kLongDelay_ticks) return {};
+  return boundWarnings(settings, loop_settings_, servo_.device());
+}
+
 TouchRig::~TouchRig() {
   requestStop();
 }

@@ -122,8 +122,7 @@ bool ClientDesk::round(int most_ms) {
       continue;
     }
     if (!why.empty())
-      tellOfClient(
-          fmt::format("client {} (process {}) is dropped: {}", client->number, client->channel.peer().process, why));
+      tellOfClient(fmt::format("client {} (process {}) is dropped: {}", client->number, client->process, why));
     letGo(*client);
     client = clients_.erase(client);
   }
@@ -138,10 +137,19 @@ void ClientDesk::accept() {
     if (clients_.size() >= kMostClients) {
       tellOfClient(
           fmt::format("a client (process {}) is turned away: {} are here", channel.peer().process, clients_.size()));
+      turnAway(channel, Error(Error::Code::kOutOfMemory, "the service",
+                              fmt::format("{} clients are connected, and no more are served at once", kMostClients),
+                              "end one of them, and ask again"));
       continue;
     }
-    clients_.push_back({.number = ++count_, .channel = std::move(channel), .since_ns = monotonicNow_ns()});
+    const std::int64_t process = channel.peer().process;
+    clients_.push_back(
+        {.number = ++count_, .channel = std::move(channel), .process = process, .since_ns = monotonicNow_ns()});
   }
+}
+
+void ClientDesk::turnAway(Channel& channel, const Error& why) {
+  static_cast<void>(channel.send(encoded(refusalMessage(why)), 0));
 }
 
 void ClientDesk::tellOfClient(const std::string& words) {
@@ -190,7 +198,11 @@ bool ClientDesk::listenTo(Client& client, std::string& why) {
 // It is no client: the engine talks with it from now on.
 void ClientDesk::greet(Client& client, const wire::HelloT& hello) {
   if (served_.attach(std::move(client.channel), hello)) return;
-  tellOfClient("a second servo is turned away");
+  turnAway(client.channel, Error(Error::Code::kIo, "the service", "another servo touches its volume already",
+                                 "end that one, or name another service's socket with --connect"));
+  // It tries again every second.
+  if (std::exchange(last_turned_away_, client.process) != client.process)
+    tellOfClient(fmt::format("a second servo (process {}) is turned away", client.process));
 }
 
 void ClientDesk::take(Client& client, const wire::AskT& ask) {
@@ -287,7 +299,7 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
       return served_.change(
           withLiveSetting(served_.scene(), key, ask.words[1]),
           [this, done, key](const std::optional<Error>& refusal) {
-            done(refusal, refusal ? "" : settingsText(served_.scene(), std::span(&key, 1)));
+            done(refusal, refusal ? "" : settingsText(served_.scene(), std::span(&key, 1)) + warningLines());
           },
           key == "isovalue" ? ServedVolume::Awaits::kTheIsovalue : ServedVolume::Awaits::kAnotherIsovalue);
     }
@@ -305,12 +317,8 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
       checkWords(ask, 1, 1);
       checkAbsolute(ask.words[0]);
       return inOrder(done, [this, done, file = ask.words[0]] {
-        served_.save(file, [done](const LiveVolume::Saved& saved) {
-          if (saved.written) return done({}, saved.words);
-          done(Error(Error::Code::kIo, "the volume", saved.words,
-                     "see that there is room, or ask again when other requests are done"),
-               {});
-        });
+        served_.save(file,
+                     [done](const LiveVolume::Saved& saved) { done(saved.refusal, saved.written ? saved.words : ""); });
       });
     case wire::Verb::Filter:
       checkWords(ask, 1, 1);
@@ -324,6 +332,12 @@ void ClientDesk::askFor(const wire::AskT& ask, const Answer& done, Client& clien
       return done({}, "the service ends");
   }
   refuseOtherVersion("the question", "this program does not know it");
+}
+
+std::string ClientDesk::warningLines() const {
+  std::string lines;
+  for (const std::string& warning : served_.warnings()) lines += warning + "\n";
+  return lines;
 }
 
 // What is asked for after an edit whose mesh is still being read waits for it.
@@ -349,7 +363,7 @@ void ClientDesk::askForEdit(const wire::AskT& ask, const Answer& done) {
   for (const std::string& word : ask.words) {
     const EditText text = editText(word, EditUse::kPlaced, word);
     if (text.verb != EditText::Verb::kEdit)
-      refuse(word, "it is not an edit of one place", "ask for undo and redo with their own verbs");
+      refuse(word, "it is not an edit of one place", "undo and redo are questions of their own: 'palpate ctl undo'");
     if (text.mesh_file.empty()) continue;
     checkAbsolute(text.mesh_file);
     has_mesh = true;

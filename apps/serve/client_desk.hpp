@@ -52,6 +52,7 @@ class ClientDesk {
   struct Client {
     std::uint64_t number = 0;
     Channel channel;
+    std::int64_t process = 0;
     std::int64_t since_ns = 0;
     bool has_spoken = false;
     std::size_t open = 0;
@@ -66,6 +67,8 @@ class ClientDesk {
   using Answer = std::function<void(const std::optional<Error>& refusal, const std::string& text)>;
 
   void accept();
+  // With a word of why, which the other side reads before it finds itself alone.
+  static void turnAway(Channel& channel, const Error& why);
   // Of a client that is not let in or let go; those beyond kMostWordsPerSecond are only counted.
   void tellOfClient(const std::string& words);
   // False: it is to be dropped, for `why`; empty: it has left.
@@ -83,6 +86,7 @@ class ClientDesk {
   void letGo(Client& client);
   enum class Takes { kNoTime, kLong };
   void inOrder(const Answer& done, const std::function<void()>& request, Takes takes = Takes::kNoTime);
+  [[nodiscard]] std::string warningLines() const;
   void askForEdit(const wire::AskT& ask, const Answer& done);
   void edit(const std::vector<std::string>& words, const Answer& done);
   void askForPicture(const wire::AskT& ask, const Client& client);
@@ -98,6 +102,7 @@ class ClientDesk {
   std::atomic<std::size_t> client_count_{0};  // of clients_
   std::uint64_t count_ = 0;                   // of clients so far
   bool leaves_ = false;
+  std::int64_t last_turned_away_ = 0;  // process of a servo
   AskingRate words_{kMostWordsPerSecond, 20};
   std::uint64_t untold_ = 0;
   std::mutex mutex_;  // guards the next

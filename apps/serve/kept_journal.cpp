@@ -47,7 +47,9 @@ Descriptor lockOf(const fs::path& folder) {
   const fs::path file = folder / "in-use";
   Descriptor lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!lock) refuseFolder(folder, std::strerror(errno));
-  if (!isOurs(file, lock.get())) refuseFolder(folder, "another service keeps it");
+  if (!isOurs(file, lock.get()))
+    throw Error(Error::Code::kIo, folder.string(), "another service keeps its journal there",
+                "end that service, or name another folder with --journal");
   return lock;
 }
 

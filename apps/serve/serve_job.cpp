@@ -22,6 +22,7 @@
 #include "apps/serve/served_volume.hpp"
 #include "apps/serve/service_place.hpp"
 #include "apps/supervise/service_notify.hpp"
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "service/channel/usual_socket.hpp"
@@ -153,6 +154,7 @@ class Watchdog {
 void serveScene(const ServeRequest& request, Progress& progress) {
   keepHeapFlat();
   static_cast<void>(std::signal(SIGHUP, askToReload));  // also while the volume is loaded
+  if (!request.scene.save.empty()) checkWritable(request.scene.save);
   const ServiceNotify notify;
   const std::string socket = socketOf(request.scene);
   makeSocketFolder(socket);

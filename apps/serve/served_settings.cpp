@@ -64,6 +64,11 @@ void ServedVolume::lendRig(TouchRig* rig) {
   rig_ = rig;
 }
 
+std::vector<std::string> ServedVolume::warnings() const {
+  const std::lock_guard order(changers_);
+  return rig_ != nullptr ? rig_->warnings(settingsOf(scene())) : std::vector<std::string>{};
+}
+
 void ServedVolume::heedRig(TouchRig& rig) {
   const double isovalue = rig.settings().parameters.isovalue;  // first: it is this one that has settled
   if (const std::optional<Error> refusal = rig.takeRefusal()) {
@@ -135,28 +140,33 @@ void ServedVolume::change(const RigSettings& settings, Done done) {
 
 void ServedVolume::change(const Scene& wanted, Done done, Awaits awaits) {
   checkFollowsEdits(wanted.algorithm, "servo.algorithm = " + wanted.algorithm);
-  const std::lock_guard order(changers_);
-  const bool goes_elsewhere = wanted.isovalue != scene().isovalue;
   {
-    const std::lock_guard lock(engines_);
-    if (!is_ready_) throw Error(Error::Code::kDevice, "the engine", "it is being made anew", "ask again in a moment");
-    if (goes_elsewhere && !engine_->canChangeIsovalue())
-      refuse("isovalue", "what is on the device serves the first one alone", "change it in the scene and start again");
-    if (rig_ == nullptr) {
-      checkHasGradients(wanted.algorithm, engine_->gradientEverywhere());
-      static_cast<void>(makeAlgorithm(settingsOf(wanted), RigVolume{.scale = engine_->scale()}));  // or says why not
+    const std::lock_guard order(changers_);
+    const bool goes_elsewhere = wanted.isovalue != scene().isovalue;
+    checkPossible(wanted, goes_elsewhere);
+    if (rig_ != nullptr) rig_->change(settingsOf(wanted));
+    {
+      const std::lock_guard lock(mutex_);
+      const std::string filter = scene_.filter;
+      scene_ = wanted;
+      scene_.filter = filter;
     }
+    // Before anybody can refuse it.
+    if (goes_elsewhere || awaits == Awaits::kTheIsovalue)
+      return asked_isovalues_.add(wantedIsovalue(wanted), std::move(done));
   }
-  if (rig_ != nullptr) rig_->change(settingsOf(wanted));
-  {
-    const std::lock_guard lock(mutex_);
-    const std::string filter = scene_.filter;
-    scene_ = wanted;
-    scene_.filter = filter;
+  done({});  // without the lock, as it may ask for warnings()
+}
+
+void ServedVolume::checkPossible(const Scene& wanted, bool goes_elsewhere) const {
+  const std::lock_guard lock(engines_);
+  if (!is_ready_) throw Error(Error::Code::kDevice, "the engine", "it is being made anew", "ask again in a moment");
+  if (goes_elsewhere && !engine_->canChangeIsovalue())
+    refuse("isovalue", "what is on the device serves the first one alone", "change it in the scene and start again");
+  if (rig_ == nullptr) {
+    checkHasGradients(wanted.algorithm, engine_->gradientEverywhere());
+    static_cast<void>(makeAlgorithm(settingsOf(wanted), RigVolume{.scale = engine_->scale()}));  // or says why not
   }
-  if (goes_elsewhere || awaits == Awaits::kTheIsovalue)
-    return asked_isovalues_.add(wantedIsovalue(wanted), std::move(done));
-  done({});
 }
 
 }  // namespace palpate

@@ -88,7 +88,7 @@ void ServedVolume::close(const std::string& save) {
   if (thread_.joinable()) thread_.join();
   door_->close();
   refuseWaiting();
-  const auto unsaved = std::make_shared<std::string>();  // why the file was not written
+  const auto unsaved = std::make_shared<std::optional<Error>>();  // why the file was not written
   if (engine_) {
     // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
     LiveVolume& live = engine_->live();
@@ -98,12 +98,11 @@ void ServedVolume::close(const std::string& save) {
     if (has_edits && !save.empty() && !failure_) {
       try {
         this->save(save, [this, unsaved](const LiveVolume::Saved& saved) {
-          tell_(saved.words);
-          if (!saved.written) *unsaved = saved.words;
+          if (saved.written) tell_(saved.words);
+          *unsaved = saved.refusal;
         });
       } catch (const Error& error) {
-        *unsaved = fmt::format("{} was not written: {}", save, error.reason());
-        tell_(*unsaved);
+        *unsaved = error;
       }
     }
     struct Settled {  // whatever becomes of the rest: who asked is told
@@ -120,8 +119,9 @@ void ServedVolume::close(const std::string& save) {
       tell_("its edits are in the journal, and come back with the next start");
   }
   if (failure_) std::rethrow_exception(failure_);
-  if (!unsaved->empty())
-    throw Error(Error::Code::kIo, save, *unsaved, "make room; the edits are in the journal, if one is kept");
+  if (*unsaved)
+    throw Error(Error::Code::kIo, save, "it was not written: " + (*unsaved)->reason(),
+                (*unsaved)->remedy() + (keepsJournal() ? "; the edits are in the journal" : ""));
 }
 
 // What no engine will do any more.
@@ -209,6 +209,7 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   };
   const auto follow = [&, first_version = servo_->firstVersion()](const ToolPose& pose, std::int64_t now_ns) {
     ticks.store(true, std::memory_order_relaxed);
+    faults_.look(pose.faults, now_ns, tell_);
     {
       const std::lock_guard lock(mutex_);
       notePose(status_, pose, first_version, now_ns);
@@ -225,6 +226,7 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   lendRig(&rig);
   door_->noTrouble();
   tell_(fmt::format("a servo with the device '{}' touches {}", servo_->device().name(), live.name()));
+  for (const std::string& warning : rig.warnings(rig.settings())) tell_(warning);
   const auto goes_on = [&] {
     if (stop_ || is_broken.load(std::memory_order_relaxed)) return false;
     if (!rig.running() || !live.edits().counts().editing) return false;

@@ -37,6 +37,7 @@
 #include "apps/serve/served_engine.hpp"
 #include "apps/serve/served_status.hpp"
 #include "apps/serve/servo_door.hpp"
+#include "apps/serve/told_faults.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "service/channel/channel.hpp"
 
@@ -67,8 +68,8 @@ class ServedVolume {
   // The engine has failed for good; close() throws why.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
 
-  // A servo that has connected, and said this. False: one is there already.
-  [[nodiscard]] bool attach(Channel channel, const wire::HelloT& hello) {
+  // A servo that has connected, and said this. False, and the channel stays the caller's: one is there already.
+  [[nodiscard]] bool attach(Channel&& channel, const wire::HelloT& hello) {
     return door_->letIn(std::move(channel), hello);
   }
 
@@ -92,6 +93,8 @@ class ServedVolume {
   // TouchRig::change() does; kDevice while the engine is being made anew.
   enum class Awaits : std::uint8_t { kAnotherIsovalue, kTheIsovalue };
   void change(const Scene& scene, Done done, Awaits awaits = Awaits::kAnotherIsovalue);
+  // What of the settings the servo's device cannot render, one line each; empty, too, while there is no servo.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   [[nodiscard]] ServedStatus status() const;
 
   // A client looks on, until leave(): it has memory of its own, which it shares with the engine. The brush that it lets
@@ -135,6 +138,8 @@ class ServedVolume {
   void endIsovalue(const Error& refusal, double in_use);
   void noteReached(double isovalue);
   void takeSettings(const Scene& settings);
+  // With changers_ held. Throws as change().
+  void checkPossible(const Scene& wanted, bool goes_elsewhere) const;
   [[nodiscard]] double wantedIsovalue(const Scene& scene) const;
   [[nodiscard]] RigEdits& edits() noexcept { return engine_->live().edits(); }
   void refuseWaiting();
@@ -158,6 +163,7 @@ class ServedVolume {
   LostEngines lost_;
   PictureQueue pictures_;
   Onlookers onlookers_;
+  ToldFaults faults_;
   std::vector<TickRecord> told_;  // to them; kept for its memory
   std::int64_t memory_at_ns_ = 0;
   std::int64_t next_servo_ns_ = 0;  // no servo is taken in before this [ns]
@@ -165,7 +171,7 @@ class ServedVolume {
   mutable std::mutex engines_;  // guards the next, and what of engine_ depends on its filters
   bool is_ready_ = true;        // false: the engine is being made anew
 
-  std::mutex changers_;  // guards the next; held while the rig takes a change
+  mutable std::mutex changers_;  // guards the next; held while the rig takes a change
   TouchRig* rig_ = nullptr;
 
   BrushHolders holders_;

@@ -5,16 +5,30 @@
 #include <utility>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
 namespace {
 
 constexpr int kAskLook_ms = 50;  // how long Ctrl-C may go unseen
+constexpr int kLong_ms = 5000;   // then a line says that it is waited for
+static_assert(kLong_ms % kAskLook_ms == 0);
 
 }  // namespace
 
-ServiceClient::ServiceClient(const std::string& socket) : channel_(connectTo(socket), "the service") {}
+ServiceClient::ServiceClient(const std::string& socket, std::string program)
+    : program_(std::move(program)), channel_(connectTo(socket), "the service") {}
+
+// One that was turned away has been told why, perhaps before it has asked.
+void ServiceClient::send(wire::AskT ask) {
+  try {
+    channel_.send(std::move(ask));
+  } catch (const Error&) {
+    static_cast<void>(channel_.receive(0));  // throws what it was told
+    throw;
+  }
+}
 
 ServiceAnswer ServiceClient::ask(wire::Verb verb, std::vector<std::string> words, int most_ms) {
   if (std::optional<ServiceAnswer> answer = tryToAsk(verb, std::move(words), most_ms)) return std::move(*answer);
@@ -26,9 +40,11 @@ std::optional<ServiceAnswer> ServiceClient::tryToAsk(wire::Verb verb, std::vecto
   wire::AskT ask = asking(verb);
   ask.number = ++asked_;
   ask.words = std::move(words);
-  channel_.send(std::move(ask));
+  send(std::move(ask));
   for (int waited_ms = 0; waited_ms < most_ms; waited_ms += kAskLook_ms) {
-    throwIfInterrupted("palpate ctl", "the service may still do it");
+    throwIfInterrupted(program_, "the service may still do what it was asked for");
+    if (waited_ms == kLong_ms)
+      tellUser("the service has not answered yet; Ctrl-C ends the wait, and not what was asked for");
     std::optional<MessageChannel::Received> received = channel_.receive(kAskLook_ms);
     if (!received) continue;
     const auto* const answer = contentOf<wire::AnswerT>(received->body);

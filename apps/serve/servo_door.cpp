@@ -15,7 +15,7 @@ constexpr int kLoopPatience_ms = 2000;      // with one that makes its loop, whi
 
 ServoDoor::ServoDoor(Ours ours, Tell tell) : ours_(std::move(ours)), tell_(std::move(tell)) {}
 
-bool ServoDoor::letIn(Channel channel, const wire::HelloT& hello) {
+bool ServoDoor::letIn(Channel&& channel, const wire::HelloT& hello) {
   {
     const std::lock_guard lock(mutex_);
     if (std::exchange(has_one_, true)) return false;

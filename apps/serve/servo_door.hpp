@@ -29,8 +29,9 @@ class ServoDoor {
   using Tell = std::function<void(const std::string&)>;
   ServoDoor(Ours ours, Tell tell);
 
-  // A servo that has connected, and said this. False: one is there already, or on its way.
-  [[nodiscard]] bool letIn(Channel channel, const wire::HelloT& hello);
+  // A servo that has connected, and said this. False, and the channel stays the caller's: one is there already, or on
+  // its way.
+  [[nodiscard]] bool letIn(Channel&& channel, const wire::HelloT& hello);
   // One whose device is ready; null: none. It is there until hasLeft().
   [[nodiscard]] std::unique_ptr<RemoteServo> takeNext();
   void hasLeft();

@@ -44,7 +44,7 @@ class ServoKeeper {
     try {
       if (trouble_.empty()) tellOnce(fmt::format("an engine at {}", keeping_.socket));
       host_.serve(std::move(*channel), keeping_.stopped);
-      tellOnce("the engine has left; the servo waits for the next one");
+      tellOnce("the engine has let go of the servo, which looks for it, or for the next one, again");
     } catch (const Error& error) {
       const bool is_gone = error.code() == Error::Code::kDevice && error.input() == "the engine";
       if (!is_gone) {

@@ -58,13 +58,13 @@ SandboxReport enterServoSandbox(const std::string& own_folder) {
   const FileFence fence = fenceFiles(kDevices, own_folder);
   if (fence.stands) {
     report.given_up.push_back(
-        fmt::format("writing files, but for {}{}", kDevices, own_folder.empty() ? "" : " and " + own_folder));
+        fmt::format("writing files outside of {}{}", kDevices, own_folder.empty() ? "" : " and " + own_folder));
   } else {
     report.missing.push_back(fmt::format("writing files ({}: take Linux 5.13 or newer)", fence.why_not));
   }
   const std::string no_filter = filterCalls(fence.holds_signals);
   if (no_filter.empty()) {
-    report.given_up.emplace_back("system calls, but for a list");
+    report.given_up.emplace_back("most system calls");
   } else {
     report.missing.push_back(
         fmt::format("all system calls ({}: allow them where this machine or container is set up)", no_filter));

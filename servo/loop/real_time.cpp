@@ -32,7 +32,7 @@ RealTimeStatus becomeRealTime(int priority) {
   status.fifo = fifo_error == 0;
   if (!status.fifo) {
     status.notes.push_back(
-        formatted("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} for the user in "
+        formatted("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} or more for the user in "
                   "/etc/security/limits.conf, or expect more late ticks",
                   priority, reason(fifo_error), priority));
   }

@@ -65,7 +65,8 @@ TEST_F(Live, AFileIsRefusedWhereTooManyEditsWait) {
   save();
   ASSERT_EQ(outcomes_.size(), 1U);
   EXPECT_FALSE(outcomes_[0].written);
-  EXPECT_THAT(outcomes_[0].words, HasSubstr("out.vdb was not written: too many requests wait, or editing has ended"));
+  EXPECT_THAT(outcomes_[0].words,
+              HasSubstr("out.vdb: it was not written: too many requests wait, or editing has ended"));
   EXPECT_EQ(live_->errands(), 0U);
   live_->edits().doWaiting(0);
   save();

@@ -216,6 +216,13 @@ TEST_F(ServeFailures, ServosComeAndGo) {
   const auto isTurnedAway = [this] { return contentsOf(file("serve.log")).find("turned away") != std::string::npos; };
   for (int look = 0; look < 200 && !isTurnedAway(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_TRUE(isTurnedAway());
+  const auto saysWhy = [this] {
+    return contentsOf(file("second.log")).find("the service: another servo touches its volume already") !=
+           std::string::npos;
+  };
+  for (int look = 0; look < 200 && !saysWhy(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(saysWhy()) << contentsOf(file("second.log"));
+  EXPECT_THAT(contentsOf(file("second.log")), testing::Not(HasSubstr("is gone")));
   EXPECT_EQ(status()["servos"], 1);
   servo.end(SIGKILL);
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servos"] >= 2 && now["windows"] > 0; }));  // the second
@@ -251,6 +258,26 @@ TEST_F(ServeFailures, SaysOnceWhyThereIsNoServo) {
     EXPECT_NE(first, std::string::npos) << log << said;
     EXPECT_EQ(said.find("none of this machine's HID devices is one", first + 1), std::string::npos) << log << said;
   }
+}
+
+// What the device cannot bear is told when a servo joins, and to who sets it; an unstable contact, too, as it ends.
+TEST_F(ServeFailures, WarnsOfWhatADeviceCannotBear) {
+  serve({kServedSphere, "--hand", "spring", "--stiffness", "20000"});
+  join();
+  ASSERT_TRUE(awaitServo());
+  const auto says = [this](const std::string& words) {
+    for (int look = 0; look < 500; ++look) {
+      if (contentsOf(file("serve.log")).find(words) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  };
+  EXPECT_TRUE(says("a stiffness of 20000 N/m is more than this device can render"));
+  EXPECT_TRUE(says("the servo: unstable: ")) << contentsOf(file("serve.log"));
+  const Outcome set = ctl({"set", "servo.stiffness_N_per_m", "30000"});
+  expectSuccess(set);
+  EXPECT_THAT(set.out, HasSubstr("servo.stiffness_N_per_m = 30000\na stiffness of 30000 N/m is more than"));
+  EXPECT_EQ(ctl({"set", "servo.stiffness_N_per_m", "500"}).out, "servo.stiffness_N_per_m = 500\n");
 }
 
 // One command for both: whoever dies is started again, and the service ends with its engine's good end.

@@ -46,6 +46,7 @@ TEST_F(Serve, EditsAndIsAsked) {
   EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 5"));
   EXPECT_THAT(ctl({"set", "servo.n", "9"}).out, HasSubstr("servo.n = 9"));
   EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 9"));
+  EXPECT_THAT(ctl({"set", "servo.n=8"}).out, HasSubstr("servo.n = 8"));
   EXPECT_THAT(run({"top", "--count", "2", "--every", "0.05"}).out, HasSubstr("undo/redo"));
   expectSuccess(ctl({"stop"}));
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
@@ -60,7 +61,7 @@ TEST_F(Serve, RefusesWithWords) {
   };
   refused({"status"}, "service.sock", "no service listens there", 3);
   refused({"status", "--socket", "other.sock"}, "other.sock", "no service listens there", 3);
-  refused({"set", "servo.n"}, "value", "");
+  refused({"set", "servo.n"}, "servo.n", "no value is given for it");
   expectRefusal(run({"top", "--count", "x"}), "--count", "'x' is no number from 0 to 1e+09", 2);
   serve({kServedSphere});
   ASSERT_TRUE(awaitService());
@@ -225,7 +226,9 @@ TEST_F(Serve, SaysThatItCouldNotSave) {
   expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
   std::filesystem::remove_all(file("out"));
   EXPECT_EQ(WEXITSTATUS(engine.end(SIGTERM)), 4);
-  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("out/end.vdb was not written"));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("out/end.vdb: it was not written: "));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("; the edits are in the journal"));
+  expectRefusal(run({"serve", kServedSphere, "--save", "out/end.vdb"}), "out/end.vdb", "cannot be created", 4);
   std::filesystem::create_directories(file("out"));
   serve({kServedSphere, "--save", "out/end.vdb"});
   ASSERT_TRUE(awaitService());
@@ -380,6 +383,7 @@ TEST_F(Serve, IsNotHeldUpByBadClients) {
   for (int i = 0; i < 40; ++i) many.push_back(connected());
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("is turned away: 32 are here"));
+  expectRefusal(ctl({"get", "servo.n"}), "the service", "32 clients are connected, and no more are served at once", 5);
   for (const int client : many) close(client);
   close(silent);
   ASSERT_TRUE(awaitService());
@@ -449,6 +453,13 @@ TEST_F(BadClients, OneThatDoesNotReadItsAnswers) {
   Channel client = connected();
   EXPECT_TRUE(isDropped(client, question(wire::Verb::Get), false));
   EXPECT_TRUE(isTold("is dropped: it does not read its answers")) << contentsOf(file("serve.log"));
+}
+
+TEST_F(BadClients, OneThatSaysWhatOnlyAServoMay) {
+  Channel client = connected();
+  ASSERT_TRUE(client.send(encoded(wire::LoopMadeT{}), 1000));
+  EXPECT_TRUE(isDropped(client, {}, true));
+  EXPECT_TRUE(isTold("is dropped: it sent a message LoopMade where none may be")) << contentsOf(file("serve.log"));
 }
 
 TEST_F(BadClients, OneOfAnotherProtocol) {

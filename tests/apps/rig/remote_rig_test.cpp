@@ -171,6 +171,7 @@ TEST_F(RemoteRig, RunsByTheRealClock) {
   next.parameters.stiffness_N_per_m = 100;
   rig.change(next);
   const LoopResult run = rig.wait();
+  EXPECT_GT(run.first_due_ns, 0);
   EXPECT_EQ(run.ticks_run + run.ticks_skipped, 500);
   EXPECT_TRUE(run.released);
   std::int64_t contact = 0;

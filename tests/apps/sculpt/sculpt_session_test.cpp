@@ -175,7 +175,7 @@ TEST_P(SculptSessions, RefusesFilesThatItCannotWrite) {
   EXPECT_THROW(person.session.save((person.folder.path() / "picture.png").string()), Error);
   person.session.save((person.folder.path() / "no folder" / "a.vdb").string());
   ASSERT_TRUE(waitFor([&] { return person.look().errands == 0; }));
-  EXPECT_THAT(person.heard, testing::ElementsAre(HasSubstr("was not written")));
+  EXPECT_THAT(person.heard, testing::ElementsAre(HasSubstr("a.vdb: cannot be created")));
   EXPECT_TRUE(person.look().running);
 }
 

@@ -74,6 +74,7 @@ TEST(PictureQueue, DrawsNoMoreThanAreLetGo) {
   for (std::size_t expected = PictureQueue::kMostHandedOut; expected <= 6; ++expected) {
     for (int looks = 0; looks < 3000 && done < expected; ++looks) drawn.look();
     EXPECT_EQ(done, expected);
+    EXPECT_FALSE(drawn.queue.view().look(drawn.engine, ++drawn.now_ns)) << "nobody asks: it draws on";
     for (int looks = 0; looks < 50; ++looks) drawn.look();
     EXPECT_EQ(done, expected);
     kept.erase(kept.begin());

@@ -4,6 +4,8 @@
 #include <map>
 #include <regex>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -139,6 +141,10 @@ TEST(MetricsText, IsPrometheusForm) {
     }
   }
   EXPECT_EQ(samples, statusFigures().size() + 2);
+  std::vector<std::string> counters;  // that only grow, as long as the service lives
+  for (const StatusFigure& one : statusFigures())
+    if (one.is_counter) counters.emplace_back(one.key);
+  EXPECT_THAT(counters, testing::ElementsAre("servos", "tick", "windows", "edits", "refused", "engines"));
   EXPECT_THAT(metricsText({{"from a newer service", 1}}), Not(HasSubstr("newer")));
 }
 

@@ -100,6 +100,11 @@ TEST(WireSettings, KnowADeviceOverThere) {
   EXPECT_EQ(forceOffOf(200), ForceOff::kDisconnected);
 }
 
+TEST(WireMessages, AVectorKeepsItsParts) {
+  EXPECT_EQ(vectorOf(wireOf(Vec3(1, 2, 3))), Vec3(1, 2, 3));
+  EXPECT_EQ(vectorOf(nullptr), Vec3(0, 0, 0));
+}
+
 TEST(WireMessages, AnErrorKeepsItsParts) {
   const Error error(Error::Code::kNotFound, "a", "b", "c");
   const Error back = errorOf(refusalMessage(error));
