@@ -130,6 +130,12 @@ VkResult allocate(VkDevice device, const VkMemoryAllocateInfo* info, const VkAll
   return functionOf<PFN_vkAllocateMemory>(device, "vkAllocateMemory")(device, info, allocator, memory);
 }
 
+// "wait 2" (VK_TIMEOUT): a kernel that does not end.
+VkResult waitSemaphores(VkDevice device, const VkSemaphoreWaitInfo* until, std::uint64_t timeout) {
+  if (const VkResult fault = faultOf("wait"); fault != VK_SUCCESS) return fault;
+  return functionOf<PFN_vkWaitSemaphores>(device, "vkWaitSemaphores")(device, until, timeout);
+}
+
 VkResult createSwapchain(VkDevice device, const VkSwapchainCreateInfoKHR* info, const VkAllocationCallbacks* allocator,
                          VkSwapchainKHR* made) {
   if (surface_is_lost) return VK_ERROR_SURFACE_LOST_KHR;
@@ -149,6 +155,7 @@ PFN_vkVoidFunction ours(const char* name) {
   if (is("vkAcquireNextImageKHR")) return reinterpret_cast<PFN_vkVoidFunction>(acquire);
   if (is("vkCreateSwapchainKHR")) return reinterpret_cast<PFN_vkVoidFunction>(createSwapchain);
   if (is("vkDestroySurfaceKHR")) return reinterpret_cast<PFN_vkVoidFunction>(destroySurface);
+  if (is("vkWaitSemaphores")) return reinterpret_cast<PFN_vkVoidFunction>(waitSemaphores);
   if (is("vkAllocateMemory")) return reinterpret_cast<PFN_vkVoidFunction>(allocate);
   if (is("vkQueueSubmit")) return reinterpret_cast<PFN_vkVoidFunction>(submit);
   if (is("vkQueuePresentKHR")) return reinterpret_cast<PFN_vkVoidFunction>(present);

@@ -41,6 +41,8 @@ class LosesDevices {
   // The same, and then there is no memory for the next buffer: VK_ERROR_OUT_OF_DEVICE_MEMORY.
   void nextWithoutMemory() const { writeFileAtomically(order_, "submit -4\nallocate -2"); }
   void noMemory() const { writeFileAtomically(order_, "allocate -2"); }
+  // With the next wait: VK_TIMEOUT, as of a kernel that does not end.
+  void hangs() const { writeFileAtomically(order_, "wait 2"); }
   [[nodiscard]] bool isDone() const { return !std::filesystem::exists(order_); }
   void noMore() const { std::filesystem::remove(order_); }
 
@@ -366,6 +368,23 @@ TEST_F(ServeFailures, MemoryThatIsNotThereForAMomentEndsNothing) {
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
   expectSuccess(ctl({"save", "both.vdb"}));
   for (const double x : {-12e-3, 12e-3}) EXPECT_GT(densityAt("both.vdb", Vec3(x, -12e-3, -12e-3)), 0);
+  EXPECT_FALSE(engine.hasEnded());
+}
+
+// A kernel that does not end is waited for a minute (here it is said at once), and then the engine is made anew.
+TEST_F(ServeFailures, ADriverThatHangsIsLeft) {
+  const LosesDevices loses(folder());
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+  loses.hangs();
+  for (int edits = 0; edits < 5 && !loses.isDone(); ++edits)
+    static_cast<void>(ctl({"edit", "add:radius=2mm:at=12,-12,-12mm"}));
+  EXPECT_TRUE(loses.isDone());
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["engines"] == 2; })) << contentsOf(file("serve.log"));
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("a kernel did not finish within 60 s"));
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_GT(densityAt("back.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
   EXPECT_FALSE(engine.hasEnded());
 }
 
