@@ -85,14 +85,14 @@ class HidServiceKills : public EmulatedHid {
                                  std::to_string(kForceLimit_N), "--stale", "0.1", "--fade", "0.05"},
                        folder(), "serve.log");
   }
-  void join() {
+  void join(const Words& options = {}) {
     const std::string servo = (std::filesystem::path(PALPATE_PROGRAM).parent_path() / "palpate-servo").string();
     ++servos_;
-    arm_ = RunningProgram(
-        PALPATE_EMULATE_HID,
-        {"--paced", "--path", "way.csv", "--at", "0,0,0", "--slew", std::to_string(kSlew_N_per_s), "--log",
-         "arm" + std::to_string(servos_), "--", servo, "--connect", (file("run") / "palpate/service.sock").string()},
-        folder(), "servo.log");
+    arm_ = RunningProgram(PALPATE_EMULATE_HID,
+                          options + Words{"--paced", "--path", "way.csv", "--at", "0,0,0", "--slew",
+                                          std::to_string(kSlew_N_per_s), "--log", "arm" + std::to_string(servos_), "--",
+                                          servo, "--connect", (file("run") / "palpate/service.sock").string()},
+                          folder(), "servo.log");
   }
   void signalServo(int signal) const {
     static_cast<void>(
@@ -241,6 +241,21 @@ void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t
       std::filesystem::path(folder) / "service-kills.md",
       benchPage(result,
                 {.title = "What a service survives", .introduction = kIntroduction, .tables = table, .chart = {}}));
+}
+
+// Nobody wonders why there is no force: the service's status and log say that the arm exerts none.
+TEST_F(HidServiceKills, AnUncalibratedArmIsTold) {
+  writeWay("phantom:sphere?size=64", 4, 2, 0.7);
+  serve();
+  join({"--uncalibrated"});
+  const auto is_off = [this] {
+    const nlohmann::json now = status();
+    return now.is_object() && now["servo"] == 1 && now["force_off"] == 1;
+  };
+  for (int look = 0; look < 500 && !is_off(); ++look) std::this_thread::sleep_for(milliseconds(20));
+  EXPECT_TRUE(is_off()) << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  EXPECT_THAT(contentsOf(file("serve.log")), testing::HasSubstr("the servo: force-off: "));
+  EXPECT_THAT(run({"top", "--count", "1"}).out, testing::ContainsRegex("\non .* off +[0-9]"));
 }
 
 // By the arm's account: while the engine says nothing there is no force, and it comes back without a jump.

@@ -283,6 +283,27 @@ TEST_F(Onlook, WaitsForAServiceThatHangs) {
   ASSERT_TRUE(waitFor([&] { return person->look().can_edit; }));
 }
 
+// A file that was asked for and is not there is told; what the window asks by itself is not.
+TEST_F(Onlook, ToldOfAFileThatTheServiceLeftUndone) {
+  serveBall();
+  ASSERT_TRUE(awaitService());
+  const auto person = comes();
+  ASSERT_TRUE(person->sees([](float) { return true; }));
+  engine.send(SIGSTOP);
+  person->session.save(file("undone.vdb").string());
+  EXPECT_EQ(person->look().errands, 1U);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // it is sent, and so is a question of the window's own
+  engine.end(SIGKILL);
+  ASSERT_TRUE(waitFor([&] {
+    static_cast<void>(person->look());
+    return testing::Matches(Contains(HasSubstr("the service is gone")))(person->heard);
+  }));
+  EXPECT_THAT(person->heard, Contains(HasSubstr("undone.vdb: the service went before it was written; save again")));
+  EXPECT_THAT(person->heard, testing::SizeIs(2));
+  EXPECT_EQ(person->look().errands, 0U);
+  EXPECT_FALSE(std::filesystem::exists(file("undone.vdb")));
+}
+
 TEST_F(Onlook, RefusesWhatItCannotShow) {
   EXPECT_THAT(refusalOf([&] { static_cast<void>(comes()); }, Error::Code::kNotFound),
               HasSubstr("no service listens there"));
