@@ -247,7 +247,7 @@ void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t
 TEST_F(HidServiceKills, AnUncalibratedArmIsTold) {
   writeWay("phantom:sphere?size=64", 4, 2, 0.7);
   serve();
-  join({"--uncalibrated"});
+  join({"--asks-from", "0"});  // its button was pressed before anybody looked
   const auto is_off = [this] {
     const nlohmann::json now = status();
     return now.is_object() && now["servo"] == 1 && now["force_off"] == 1;
