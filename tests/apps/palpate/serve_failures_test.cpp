@@ -215,15 +215,9 @@ TEST_F(ServeFailures, ServosComeAndGo) {
   join();
   ASSERT_TRUE(awaitServo());
   RunningProgram second(PALPATE_PROGRAM, {"servo", "--connect"}, folder(), "second.log");  // to the usual socket
-  const auto isTurnedAway = [this] { return contentsOf(file("serve.log")).find("turned away") != std::string::npos; };
-  for (int look = 0; look < 200 && !isTurnedAway(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_TRUE(isTurnedAway());
-  const auto saysWhy = [this] {
-    return contentsOf(file("second.log")).find("the service: another servo touches its volume already") !=
-           std::string::npos;
-  };
-  for (int look = 0; look < 200 && !saysWhy(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  EXPECT_TRUE(saysWhy()) << contentsOf(file("second.log"));
+  EXPECT_TRUE(awaitSaid("a second servo (process "));
+  EXPECT_TRUE(awaitSaid("the service: another servo touches its volume already", "second.log"))
+      << contentsOf(file("second.log"));
   EXPECT_THAT(contentsOf(file("second.log")), testing::Not(HasSubstr("is gone")));
   EXPECT_EQ(status()["servos"], 1);
   servo.end(SIGKILL);
@@ -267,15 +261,8 @@ TEST_F(ServeFailures, WarnsOfWhatADeviceCannotBear) {
   serve({kServedSphere, "--hand", "spring", "--stiffness", "20000"});
   join();
   ASSERT_TRUE(awaitServo());
-  const auto says = [this](const std::string& words) {
-    for (int look = 0; look < 500; ++look) {
-      if (contentsOf(file("serve.log")).find(words) != std::string::npos) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return false;
-  };
-  EXPECT_TRUE(says("a stiffness of 20000 N/m is more than this device can render"));
-  EXPECT_TRUE(says("the servo: unstable: ")) << contentsOf(file("serve.log"));
+  EXPECT_TRUE(awaitSaid("a stiffness of 20000 N/m is more than this device can render"));
+  EXPECT_TRUE(awaitSaid("the servo: unstable: ")) << contentsOf(file("serve.log"));
   const Outcome set = ctl({"set", "servo.stiffness_N_per_m", "30000"});
   expectSuccess(set);
   EXPECT_THAT(set.out, HasSubstr("servo.stiffness_N_per_m = 30000\na stiffness of 30000 N/m is more than"));

@@ -200,8 +200,7 @@ TEST_F(Serve, ReadsItsSceneAgain) {
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("these take effect with the next start: servo.rate_hz"));
   write("s.toml", "volume = 3 =");
   engine.send(SIGHUP);
-  for (int look = 0; look < 100 && contentsOf(file("serve.log")).find("stay as they are") == std::string::npos; ++look)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(awaitSaid("stay as they are"));
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("the settings stay as they are: "));
   EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 11"));
 }
@@ -212,9 +211,7 @@ TEST_F(Serve, HasNothingToReadAgainWithoutAFile) {
   ASSERT_TRUE(awaitService());
   expectSuccess(ctl({"set", "servo.n", "9"}));
   engine.send(SIGHUP);
-  for (int look = 0; look < 100 && contentsOf(file("serve.log")).find("read again") == std::string::npos; ++look)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("no scene file was named"));
+  EXPECT_TRUE(awaitSaid("no scene file was named, so there are no settings to read again"));
   EXPECT_THAT(ctl({"get", "servo.n"}).out, HasSubstr("servo.n = 9"));
 }
 
@@ -404,13 +401,6 @@ class BadClients : public ServedSphere {
     ask.words = std::move(words);
     return encoded(std::move(ask));
   }
-  [[nodiscard]] bool isTold(const std::string& words) const {
-    for (int look = 0; look < 500; ++look) {
-      if (contentsOf(file("serve.log")).find(words) != std::string::npos) return true;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-    return false;
-  }
   // Until its socket is closed; empty bytes: it only listens.
   [[nodiscard]] static bool isDropped(Channel& client, const std::vector<std::byte>& asks, bool reads) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
@@ -428,7 +418,7 @@ class BadClients : public ServedSphere {
 TEST_F(BadClients, OneThatSaysNothing) {
   Channel client = connected();
   EXPECT_TRUE(isDropped(client, {}, true));
-  EXPECT_TRUE(isTold("is dropped: it says nothing")) << contentsOf(file("serve.log"));
+  EXPECT_TRUE(awaitSaid("is dropped: it says nothing")) << contentsOf(file("serve.log"));
   EXPECT_EQ(status()["clients"], 1);
 }
 
@@ -446,20 +436,20 @@ TEST_F(BadClients, OneThatAsksTooOften) {
   if (client.open() && asked / kWithin_s < 2200) GTEST_SKIP() << "this machine asks " << asked << " times in 60 s";
   EXPECT_FALSE(client.open()) << asked;
   EXPECT_GE(answered, 3900);
-  EXPECT_TRUE(isTold("is dropped: it asks more often than 2000 times a second")) << contentsOf(file("serve.log"));
+  EXPECT_TRUE(awaitSaid("is dropped: it asks more often than 2000 times a second")) << contentsOf(file("serve.log"));
 }
 
 TEST_F(BadClients, OneThatDoesNotReadItsAnswers) {
   Channel client = connected();
   EXPECT_TRUE(isDropped(client, question(wire::Verb::Get), false));
-  EXPECT_TRUE(isTold("is dropped: it does not read its answers")) << contentsOf(file("serve.log"));
+  EXPECT_TRUE(awaitSaid("is dropped: it does not read its answers")) << contentsOf(file("serve.log"));
 }
 
 TEST_F(BadClients, OneThatSaysWhatOnlyAServoMay) {
   Channel client = connected();
   ASSERT_TRUE(client.send(encoded(wire::LoopMadeT{}), 1000));
   EXPECT_TRUE(isDropped(client, {}, true));
-  EXPECT_TRUE(isTold("is dropped: it sent a message LoopMade where none may be")) << contentsOf(file("serve.log"));
+  EXPECT_TRUE(awaitSaid("is dropped: it sent a message LoopMade where none may be")) << contentsOf(file("serve.log"));
 }
 
 TEST_F(BadClients, OneOfAnotherProtocol) {

@@ -113,6 +113,15 @@ class ServiceTest : public ProgramTest {
     return await([](const nlohmann::json& now) { return now["servo"] == 1 && now["windows"] > 0; });
   }
 
+  // Whether a program's log comes to have these words, for 10 s at most.
+  [[nodiscard]] bool awaitSaid(const std::string& words, const std::string& log = "serve.log") const {
+    for (int look = 0; look < 500; ++look) {
+      if (contentsOf(file(log)).find(words) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
   RunningProgram engine, servo;
 };
 

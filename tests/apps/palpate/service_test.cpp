@@ -29,8 +29,8 @@ TEST_F(Service, FeelsTheSameBitForBit) {
   write("tetrahedron.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
   write("way.csv", "time_s,x_m,y_m,z_m\n0,0.013,0,0\n0.2,0.009,0,0\n0.4,0.009,0.002,0\n");
   expectSame({"phantom:knot?size=32&noise=0.02", "--hand", "spring", "--encoder", "0.05", "--seconds", "0.4"});
-  expectSame(
-      {"phantom:sphere?size=32", "--edit", "remove:radius=1mm", "--friction-static", "0.4", "--texture", "density", "--seconds", "0.4"});
+  expectSame({"phantom:sphere?size=32", "--edit", "remove:radius=1mm", "--friction-static", "0.4", "--texture",
+              "density", "--seconds", "0.4"});
   expectSame({"phantom:sphere?size=32", "--algorithm", "god-object", "--seconds", "0.4"});
   expectSame({"phantom:sphere?size=32", "--path", "way.csv", "--filter", "gaussian:1", "--object",
               "mesh:position=0,0,0:file=tetrahedron.obj"});

@@ -136,8 +136,7 @@ TEST_F(ServoRights, AreGivenUpByOneThatAnEngineStarts) {
 // For a debugger.
 TEST_F(ServoRights, AreKeptWhereThatIsAskedFor) {
   servo = RunningProgram(PALPATE_PROGRAM, {"servo", "--no-sandbox"}, folder(), "servo.log");
-  const auto waits = [&] { return contentsOf(file("servo.log")).find("waiting for an engine") != std::string::npos; };
-  for (int look = 0; look < 500 && !waits(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_TRUE(awaitSaid("waiting for an engine", "servo.log"));
   EXPECT_THAT(contentsOf(file("servo.log")), HasSubstr("--no-sandbox: it keeps all its rights"));
   EXPECT_THAT(contentsOf(file("servo.log")), Not(HasSubstr("given up")));
   EXPECT_EQ(statusOf(fmt::format("/proc/{}", servo.id()))["Seccomp"], statusOf("/proc/self")["Seccomp"]);
