@@ -109,6 +109,17 @@ std::unique_ptr<MetricsDoor> metricsDoorOf(const Scene& scene, const ServedVolum
   });
 }
 
+// Told at the start, not refused: an engine that is started again after a crash must serve, whatever became of the
+// place.
+void warnOfSave(const std::string& file) {
+  if (file.empty()) return;
+  try {
+    checkWritable(file);
+  } catch (const Error& error) {
+    tell(fmt::format("the volume cannot be written at the end, as things are: {}", error.what()));
+  }
+}
+
 // Filters that were set before a crash may need more memory than there is now. The service then starts without anything
 // that was set.
 std::unique_ptr<ServedVolume> servedOf(const ServeRequest& request, KeptSettings& settings,
@@ -154,7 +165,7 @@ class Watchdog {
 void serveScene(const ServeRequest& request, Progress& progress) {
   keepHeapFlat();
   static_cast<void>(std::signal(SIGHUP, askToReload));  // also while the volume is loaded
-  if (!request.scene.save.empty()) checkWritable(request.scene.save);
+  warnOfSave(request.scene.save);
   const ServiceNotify notify;
   const std::string socket = socketOf(request.scene);
   makeSocketFolder(socket);
