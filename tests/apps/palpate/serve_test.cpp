@@ -55,6 +55,17 @@ TEST_F(Serve, EditsAndIsAsked) {
   EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("palpate: serve: ended"));
 }
 
+// Where the scene names none, the isovalue is that of every other verb. (A sphere's is 0.)
+TEST_F(Serve, TouchesTheUsualIsovalue) {
+  serve({"phantom:head?size=32"});
+  ASSERT_TRUE(awaitService());
+  const std::string said = ctl({"get", "isovalue"}).out;
+  EXPECT_NE(std::stod(said.substr(said.find('=') + 1)), 0);
+  expectSuccess(ctl({"export", "served.stl"}));
+  expectSuccess(run({"convert", "phantom:head?size=32", "converted.stl"}));
+  EXPECT_EQ(contentsOf(file("served.stl")), contentsOf(file("converted.stl")));
+}
+
 TEST_F(Serve, RefusesWithWords) {
   const auto refused = [this](const Words& words, const std::string& input, const std::string& why, int status = 2) {
     expectRefusal(ctl(words), input, why, status);
