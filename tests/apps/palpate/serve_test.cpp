@@ -241,12 +241,12 @@ TEST_F(Serve, SaysThatItCouldNotSave) {
   ASSERT_TRUE(awaitService());
   EXPECT_THAT(contentsOf(file("serve.log")),
               HasSubstr("the volume cannot be written at the end, as things are: out/end.vdb: cannot be created"));
-  EXPECT_EQ(status()["undoable"], 1);
-  engine.end(SIGKILL);
+  expectSuccess(ctl({"save", "kept.vdb"}));  // a checkpoint may hold the edit, so it need not be one to undo
+  EXPECT_GT(densityAt("kept.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
+  // It is written once it can be.
   std::filesystem::create_directories(file("out"));
-  serve({kServedSphere, "--save", "out/end.vdb"});
-  ASSERT_TRUE(awaitService());
-  EXPECT_EQ(status()["undoable"], 1);
+  EXPECT_EQ(WEXITSTATUS(engine.end(SIGTERM)), 0);
+  EXPECT_GT(densityAt("out/end.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
 }
 
 // Filters are changed while the object is touched: the servo goes over to the filtered field, and the edits stay.
