@@ -214,6 +214,7 @@ TEST_F(ServeFailures, ServosComeAndGo) {
   ASSERT_TRUE(awaitService());
   join();
   ASSERT_TRUE(awaitServo());
+  EXPECT_THAT(run({"top", "--count", "1"}).out, testing::ContainsRegex("\non +0 "));  // no rate before a second look
   RunningProgram second(PALPATE_PROGRAM, {"servo", "--connect"}, folder(), "second.log");  // to the usual socket
   EXPECT_TRUE(awaitSaid("a second servo (process "));
   EXPECT_TRUE(awaitSaid("the service: another servo touches its volume already", "second.log"))
