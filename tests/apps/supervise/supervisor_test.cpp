@@ -212,8 +212,8 @@ TEST_F(Supervisor, WaitsForEachAsLongAsItMay) {
   settings.patience_s = kNoPatience_s;
   SupervisedCommand engine = command("engine", saysAt("TERM", "sleep 0.3; exit 0") + "touch ready; " + kGoesOn);
   engine.patience_s = kLongPatience_s;
-  const SupervisionEnd end = supervise({command("servo", std::string("trap '' TERM; ") + kGoesOn), engine,
-                                        command("first", waitsFor("ready") + "exit 0", true)},
+  const SupervisionEnd end = supervise({command("servo", std::string("trap '' TERM; touch deaf; ") + kGoesOn), engine,
+                                        command("first", waitsFor("deaf") + waitsFor("ready") + "exit 0", true)},
                                        settings);
   EXPECT_EQ(end.killed, 1);
   EXPECT_EQ(said(), "TERM\n");
