@@ -2,15 +2,11 @@
 #include "apps/onlook/onlook_link.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
 #include <poll.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
@@ -35,11 +31,7 @@ bool isSame(const SeenVolume& a, const SeenVolume& b) {
 
 }  // namespace
 
-OnlookLink::OnlookLink(std::string socket, Progress& progress)
-    : socket_(std::move(socket)), waker_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (!waker_)
-    throw Error(Error::Code::kIo, socket_, fmt::format("nothing can wake it ({})", std::strerror(errno)),
-                "raise the limit of open files (ulimit -n)");
+OnlookLink::OnlookLink(std::string socket, Progress& progress) : socket_(std::move(socket)), waker_(socket_) {
   auto channel = join([&] { progress.stage("waiting for the service"); });
   thread_ = std::jthread([this, channel = std::move(channel)]() mutable { run(std::move(channel)); });
 }
@@ -49,12 +41,7 @@ OnlookLink::~OnlookLink() {
     const std::lock_guard lock(mutex_);
     ends_ = true;
   }
-  wake();
-}
-
-void OnlookLink::wake() const noexcept {
-  const std::uint64_t one = 1;
-  static_cast<void>(write(waker_.get(), &one, sizeof one));
+  waker_.wake();
 }
 
 void OnlookLink::show(const ViewRequest& wanted) {
@@ -62,7 +49,7 @@ void OnlookLink::show(const ViewRequest& wanted) {
     const std::lock_guard lock(mutex_);
     view_ = last_view_ = wanted;
   }
-  wake();
+  waker_.wake();
 }
 
 void OnlookLink::change(const RigSettings& wanted) {
@@ -70,7 +57,7 @@ void OnlookLink::change(const RigSettings& wanted) {
     const std::lock_guard lock(mutex_);
     next_ = wanted;
   }
-  wake();
+  waker_.wake();
 }
 
 RigSettings OnlookLink::settings() const {
@@ -89,7 +76,7 @@ void OnlookLink::ask(wire::Verb verb, std::vector<std::string> words, std::strin
     one.ask.words = std::move(words);
     waiting_.push_back(std::move(one));
   }
-  wake();
+  waker_.wake();
 }
 
 OnlookLink::News OnlookLink::look() {
@@ -195,10 +182,9 @@ void OnlookLink::talk(MessageChannel& channel) {
       if (ends_) return;
     }
     sendWaiting(channel);
-    pollfd waits[] = {{channel.descriptor(), POLLIN, 0}, {waker_.get(), POLLIN, 0}};
+    pollfd waits[] = {{channel.descriptor(), POLLIN, 0}, {waker_.descriptor(), POLLIN, 0}};
     static_cast<void>(poll(waits, std::size(waits), kPoll_ms));
-    std::uint64_t count = 0;
-    static_cast<void>(read(waker_.get(), &count, sizeof count));
+    waker_.sleepAgain();
     while (std::optional<MessageChannel::Received> received = channel.receive(0)) {
       if (const auto* const answer = contentOf<wire::AnswerT>(received->body)) hear(*answer);
     }
@@ -206,12 +192,16 @@ void OnlookLink::talk(MessageChannel& channel) {
 }
 
 void OnlookLink::send(MessageChannel& channel, wire::AskT ask, Open open) {
-  ask.number = ++asked_;
   {
     const std::lock_guard lock(mutex_);
-    open_.emplace(ask.number, std::move(open));
+    enter(ask, std::move(open));
   }
   channel.send(std::move(ask));
+}
+
+void OnlookLink::enter(wire::AskT& ask, Open open) {
+  ask.number = ++asked_;
+  open_.emplace(ask.number, std::move(open));
 }
 
 void OnlookLink::sendWaiting(MessageChannel& channel) {
@@ -222,12 +212,13 @@ void OnlookLink::sendWaiting(MessageChannel& channel) {
   {
     const std::lock_guard lock(mutex_);
     waiting.swap(waiting_);
+    for (Waiting& one : waiting) enter(one.ask, std::move(one.open));  // an errand is never out of sight of look()
     if (!isOpen(wire::Verb::Show)) view = std::exchange(view_, std::nullopt);
     if (next_ && !sent_) settings = sent_ = std::exchange(next_, std::nullopt);
     looks = !isOpen(wire::Verb::Look) && monotonicNow_ns() - looked_at_ns_ >= kLook_ns;
     if (looks) looked_at_ns_ = monotonicNow_ns();
   }
-  for (Waiting& one : waiting) send(channel, std::move(one.ask), std::move(one.open));
+  for (Waiting& one : waiting) channel.send(std::move(one.ask));
   if (view) {
     wire::AskT ask = asking(wire::Verb::Show);
     ask.view = wireOf(*view);

@@ -20,7 +20,7 @@
 
 #include "apps/console/progress.hpp"
 #include "apps/onlook/onlook_messages.hpp"
-#include "base/descriptor.hpp"
+#include "base/waker.hpp"
 #include "service/messages/message_channel.hpp"
 
 namespace palpate {
@@ -71,13 +71,13 @@ class OnlookLink {
   void talk(MessageChannel& channel);
   void sendWaiting(MessageChannel& channel);
   void send(MessageChannel& channel, wire::AskT ask, Open open);
+  void enter(wire::AskT& ask, Open open);  // with the lock: gives it a number, and it is open
   void hear(const wire::AnswerT& answer);
   void lose(const std::string& why);
-  void wake() const noexcept;
   [[nodiscard]] bool isOpen(wire::Verb verb) const;
 
   const std::string socket_;
-  Descriptor waker_;  // eventfd, written when there is something to send, or it ends
+  Waker waker_;  // when there is something to send, or it ends
   std::uint64_t asked_ = 0;
   std::optional<std::uint64_t> known_steps_;  // State::edits of the list that looked_ has
 

@@ -75,7 +75,6 @@ bool TouchRig::mayShake(const RigSettings& settings) const {
 }
 
 std::vector<std::string> TouchRig::warnings(const RigSettings& settings) const {
-  if (servo_.device().limits().force_delay_ticks > kLongDelay_ticks) return {};
   return boundWarnings(settings, loop_settings_, servo_.device());
 }
 

@@ -83,8 +83,7 @@ class TouchRig {
   // refusal settings() returns the servo's settings again, unless another isovalue was requested since.
   [[nodiscard]] std::optional<Error> takeRefusal();
 
-  // What of these settings the device cannot render, one line each (boundWarnings()); empty, too, where its force is
-  // late by more than kLongDelay_ticks, for which finding out takes seconds.
+  // What of these settings the device cannot render, one line each (boundWarnings()).
   [[nodiscard]] std::vector<std::string> warnings(const RigSettings& settings) const;
 
   // Before a run by the real clock: the engine's thread draws for this view, which must outlive the rig.

@@ -4,8 +4,8 @@
 // What clients ask for is done in the order in which it comes, and each gets the answers to its own questions
 // (service/messages). A client that breaks the rules, asks too often, does not read its answers or says nothing for
 // kSilence_s at first is dropped with a word; nobody waits for it. More than kMostOpen questions of one client at once
-// are refused, so memory per client is bounded. A servo that connects is handed to the engine. Meshes are read and
-// pictures packed by threads of their own. One thread makes it and calls round() and flush().
+// are refused, so memory per client is bounded. A servo that connects is handed to the engine. One thread makes it and
+// calls round() and flush().
 #pragma once
 
 #include <atomic>
@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/edit/stamp_files.hpp"
 #include "apps/serve/asking_rate.hpp"
-#include "apps/serve/chores.hpp"
+#include "apps/serve/questions.hpp"
 #include "apps/serve/served_volume.hpp"
+#include "base/waker.hpp"
 #include "service/channel/channel.hpp"
 #include "service/messages/message.hpp"
 
@@ -59,12 +59,12 @@ class ClientDesk {
     AskingRate rate{kMostPerSecond, kMostAtOnce};
     std::shared_ptr<Onlooker> onlooker = {};  // null: it does not look on
   };
-  using Make = std::function<wire::AnswerT()>;
-  struct Ready {
+  struct Ready {  // an answer
     std::uint64_t client = 0;
-    Make make;
+    std::uint64_t asked = 0;
+    std::optional<Error> refusal;
+    std::string text;
   };
-  using Answer = std::function<void(const std::optional<Error>& refusal, const std::string& text)>;
 
   void accept();
   // With a word of why, which the other side reads before it finds itself alone.
@@ -75,41 +75,28 @@ class ClientDesk {
   [[nodiscard]] bool listenTo(Client& client, std::string& why);
   void greet(Client& client, const wire::HelloT& hello);
   void take(Client& client, const wire::AskT& ask);
-  void answer(std::uint64_t client, Make make);
-  [[nodiscard]] Answer answerTo(Client& client, const wire::AskT& ask);
-  void askFor(const wire::AskT& ask, const Answer& done, Client& client);
+  [[nodiscard]] Questions::Done answerTo(Client& client, const wire::AskT& ask);
   void askForStatus(const wire::AskT& ask, Client& client);
   void answerNow(Client& client, wire::AnswerT answer, int attached = -1);
   // Those of a client who looks on; those that wait for edits or an isovalue are answered later.
   void letLookOn(const wire::AskT& ask, Client& client);
-  void askFromAWindow(const wire::AskT& ask, const Answer& done, Client& client);
   void letGo(Client& client);
-  enum class Takes { kNoTime, kLong };
-  void inOrder(const Answer& done, const std::function<void()>& request, Takes takes = Takes::kNoTime);
-  [[nodiscard]] std::string warningLines() const;
-  void askForEdit(const wire::AskT& ask, const Answer& done);
-  void edit(const std::vector<std::string>& words, const Answer& done);
-  void askForPicture(const wire::AskT& ask, const Client& client);
   void sendReady();
   [[nodiscard]] std::vector<std::byte> encodedAnswer(const Ready& one);
-  void wake() const noexcept;
 
   ServedVolume& served_;
   const Tell tell_;
   Listener listener_;
-  Descriptor waker_;  // eventfd, written when an answer is ready
+  Waker waker_;  // when an answer is ready
   std::list<Client> clients_;
   std::atomic<std::size_t> client_count_{0};  // of clients_
   std::uint64_t count_ = 0;                   // of clients so far
-  bool leaves_ = false;
-  std::int64_t last_turned_away_ = 0;  // process of a servo
+  std::int64_t last_turned_away_ = 0;         // process of a servo
   AskingRate words_{kMostWordsPerSecond, 20};
   std::uint64_t untold_ = 0;
   std::mutex mutex_;  // guards the next
   std::deque<Ready> ready_;
-  StampFiles stamps_;  // the preparer's
-  Chores preparer_;    // of edits with meshes, and of what was asked for after them
-  Chores packer_;      // last members: they use the others
+  Questions questions_;  // last member: its threads use the others
 };
 
 }  // namespace palpate

@@ -83,8 +83,13 @@ std::string settingsText(const Scene& scene, std::span<const std::string> keys) 
     text += fmt::format("{} = {}\n", option.key, optionText(option.value, scene));
   };
   for (const std::string& key : keys) add(optionOf(key));
-  if (keys.empty())
-    for (const SceneOption& option : sceneOptions()) add(option);
+  if (!keys.empty()) return text;
+  for (const bool is_live : {true, false}) {
+    text += is_live ? "# 'palpate ctl set' changes these:\n"
+                    : "# these cannot change while the scene is served (filter: with 'palpate ctl filter'):\n";
+    for (const SceneOption& option : sceneOptions())
+      if (isLiveKey(option.key) == is_live) add(option);
+  }
   return text;
 }
 

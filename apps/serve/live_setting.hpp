@@ -26,8 +26,8 @@ void checkLiveSettings(const Scene& scene, const Scene& next);
 // other options that differ, which need a new start.
 [[nodiscard]] Scene withLiveSettings(const Scene& scene, const Scene& wanted, std::vector<std::string>& others);
 
-// "key = value" for each key, or for all options; empty for one that the program chooses. Throws Error(kBadInput) for a
-// key that is none.
+// "key = value" for each key; without any for all options, the live ones first, each part after a line that begins with
+// '#'. Empty for a value that the program chooses. Throws Error(kBadInput) for a key that is none.
 [[nodiscard]] std::string settingsText(const Scene& scene, std::span<const std::string> keys);
 
 }  // namespace palpate

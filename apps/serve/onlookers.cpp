@@ -10,6 +10,11 @@
 
 namespace palpate {
 
+Onlooker& checkedOnlooker(const std::shared_ptr<Onlooker>& one) {
+  if (!one) refuse("the question", "it is one of a client who looks on", "ask to look on first");
+  return *one;
+}
+
 std::shared_ptr<Onlooker> Onlookers::add(const ViewMemory::Room& room) {
   auto one = std::make_shared<Onlooker>(room);
   const std::lock_guard lock(mutex_);

@@ -45,6 +45,9 @@ class Onlooker : public BrushHand {
   std::uint64_t version_ = 0;
 };
 
+// Throws Error(kBadInput) for a client that does not look on, which is null.
+Onlooker& checkedOnlooker(const std::shared_ptr<Onlooker>& one);
+
 class Onlookers {
  public:
   static constexpr std::size_t kMost = 4;

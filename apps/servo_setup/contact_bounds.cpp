@@ -87,7 +87,7 @@ bool shakes(const RigSettings& settings, const LoopParameters& loop, const Devic
 
 bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   if (device.hands().empty() || !algorithmEntry(settings.algorithm).traits.shows_surface) return true;
-  return device.limits().force_delay_ticks > kLongDelay_ticks || shakes(settings, loop, device);
+  return shakes(settings, loop, device);
 }
 
 double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {

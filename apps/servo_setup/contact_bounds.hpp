@@ -5,7 +5,8 @@
 // The answer is that of the linear sampled loop (servo/stability/sampled_loop.hpp), for each hand that the device
 // reckons with (Device::hands()), with the largest stiffness that the settings can make. It knows no curved surface, no
 // encoders and no limits of the force. An adaptive velocity estimate counts as its shortest window.
-// Set-up code: some milliseconds for a warning, some seconds if the device's force is late by hundreds of ticks.
+// Set-up code: tens of microseconds for mayShake(), some milliseconds for a bound or a warning, whatever the device's
+// delay.
 #pragma once
 
 #include <string>
@@ -18,10 +19,7 @@
 namespace palpate {
 
 // Whether the contact may be unstable in a hand: it is in the linear loop, or nothing is known of the device, or the
-// algorithm has no stiffness. Asked at every change of the settings, also for a device that another process describes,
-// so it takes no more than a millisecond for each hand: beyond kLongDelay_ticks it is not computed, and the contact
-// may.
-inline constexpr int kLongDelay_ticks = 64;
+// algorithm has no stiffness. Asked at every change of the settings.
 [[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The stiffest surface that is stable in every hand with the settings' damping [N/m]; infinite: nothing is known of the

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <future>
 #include <utility>
 
 #include <fmt/format.h>
@@ -180,11 +181,17 @@ LoopResult RemoteServo::runSimulated(const ServoLoop::Hook& before_tick) {
 void RemoteServo::start() {
   channel_.send(wire::StartT{});
   running_.store(true, std::memory_order_release);
-  listener_ = std::jthread([this] { listen(); });
+  std::promise<void> named;  // so that it is there by its name for who lists the threads
+  std::future<void> is_named = named.get_future();
+  listener_ = std::jthread([this, named = std::move(named)]() mutable {
+    nameThisThread("servo link");
+    named.set_value();
+    listen();
+  });
+  is_named.wait();
 }
 
 void RemoteServo::listen() {
-  nameThisThread("servo link");
   try {
     const int look_ms = ticks_ != nullptr ? kTickLook_ms : kStopLook_ms;
     std::optional<std::int64_t> stopping_since_ns;

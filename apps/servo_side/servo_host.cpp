@@ -16,8 +16,10 @@
 #include "apps/servo_setup/scene_objects.hpp"
 #include "apps/servo_setup/scene_settings.hpp"
 #include "apps/servo_side/attachments.hpp"
+#include "apps/servo_side/stale_watch.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
+#include "base/monotonic_clock.hpp"
 #include "base/other_version.hpp"
 #include "service/memory/link_memory.hpp"
 #include "service/messages/message_channel.hpp"
@@ -25,6 +27,7 @@
 #include "servo/devices/recording_device.hpp"
 #include "servo/loop/servo_loop.hpp"
 #include "servo/meshes/mesh_object.hpp"
+#include "servo/safety/faults.hpp"
 
 namespace palpate {
 namespace {
@@ -42,6 +45,7 @@ class ServoHost::Impl {
   void serve(Channel channel, const std::function<bool()>& stopped) {
     channel_.emplace(std::move(channel), "the engine");
     ended_ = is_shared_ = false;
+    stale_ = {};
     wire::HelloT hello;
     hello.layout = kLinkLayout;
     hello.commit = commit_;
@@ -91,6 +95,7 @@ class ServoHost::Impl {
     if (!loop_ || !started_ || ended_) return;
     takeLinked();
     if (is_shared_) tellForceOff();
+    if (is_shared_ && stays_ && tell_) tellStale();
     if (noteEnded() && is_shared_ && changes_ended_ > changes_before_) {
       wire::ChangeEndedT words;
       words.number = changes_ended_ - changes_before_;
@@ -107,6 +112,11 @@ class ServoHost::Impl {
     wire::DeviceStateT words;
     words.force_off = static_cast<std::uint8_t>(now);
     channel_->send(words);
+  }
+
+  void tellStale() {
+    const bool is_stale = has(loop_->newestFaults(), ServoFault::kStaleWindow);
+    if (const std::string words = stale_.look(is_stale, monotonicNow_ns()); !words.empty()) tell_(words);
   }
 
   // A servo that does not stay brings its force to zero and ends with its engine.
@@ -384,6 +394,7 @@ class ServoHost::Impl {
   std::unique_ptr<SampledPath> way_;      // leads the device
   std::unique_ptr<PointerPath> pointer_;  // or this does
   ForceOff told_force_off_ = ForceOff::kNone;
+  StaleWatch stale_;  // of the present engine
   std::unique_ptr<Device> device_;
   std::optional<Placement> placement_;
   std::optional<RecordedContact> session_;

@@ -14,7 +14,8 @@ struct ServoKeeping {
   std::string socket;  // that engines listen at
   std::string commit;  // of this program
   std::function<bool()> stopped;
-  // That an engine came, went or was refused, the same words once; and what real time a loop lacks, once for each loop.
+  // That an engine came, went or was refused, the same words once; that one sends no windows, or does again
+  // (stale_watch.hpp); and what real time a loop lacks, once for each loop.
   std::function<void(const std::string&)> tell;
 };
 

@@ -64,11 +64,11 @@ ServoRun runSimulated(TouchRig& rig, double ticks, Progress& progress) {
 
 ServoRun runReal(TouchRig& rig, double duration_s, Progress& progress) {
   const Stopwatch watch;
-  std::vector<std::string> threads;
   rig.start();
-  while (rig.running()) {
+  std::vector<std::string> threads = threadNames();  // also of a run that is over before it is looked at
+  for (bool is_first = true; rig.running(); is_first = false) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (threads.empty() && rig.running()) threads = threadNames();
+    if (is_first && rig.running()) threads = threadNames();
     progress.fraction(std::min(1.0, watch.seconds() / duration_s));
     if (interrupted()) rig.requestStop();
   }

@@ -2,6 +2,7 @@
 #include "engine/service/engine_thread.hpp"
 
 #include <chrono>
+#include <future>
 #include <utility>
 
 #include "base/thread_names.hpp"
@@ -23,9 +24,16 @@ std::int64_t now_ns() {
 }  // namespace
 
 EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow, std::function<void()> failed)
-    : engine_(engine), poses_(poses), follow_(std::move(follow)), on_failure_(std::move(failed)), thread_([this] {
-        run();
-      }) {}
+    : engine_(engine), poses_(poses), follow_(std::move(follow)), on_failure_(std::move(failed)) {
+  std::promise<void> named;  // so that it is there by its name for who lists the threads
+  std::future<void> is_named = named.get_future();
+  thread_ = std::thread([this, named = std::move(named)]() mutable {
+    nameThisThread("engine");
+    named.set_value();
+    run();
+  });
+  is_named.wait();
+}
 
 EngineThread::~EngineThread() {
   stopping_ = true;
@@ -39,7 +47,6 @@ void EngineThread::stop() {
 }
 
 void EngineThread::run() {
-  nameThisThread("engine");
   try {
     while (!stopping_.load(std::memory_order_relaxed)) {
       const ToolPose& pose = poses_.latest();

@@ -280,6 +280,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   record.window_version = window.version;
   record.edit_version = window.edit_version;
   record.faults = gated.faults | carried_faults_;
+  newest_faults_.store(record.faults, std::memory_order_relaxed);
   record.lateness_ns = due.lateness_ns;
   record.window_age_ns = window.version == 0 ? 0 : now_ns - window.stamp_ns;
   record.energy_J = passivity_.energy_J();

@@ -107,6 +107,8 @@ class ServoLoop {
   // What the system gave when start() returned; of the thread that called it.
   [[nodiscard]] const RealTimeStatus& realTime() const noexcept { return real_time_; }
   [[nodiscard]] bool running() const noexcept { return running_.load(std::memory_order_acquire); }
+  // Of the newest tick, but for its overrun, which is not known before its end (faults.hpp). Any thread, any time.
+  [[nodiscard]] std::uint32_t newestFaults() const noexcept { return newest_faults_.load(std::memory_order_relaxed); }
 
   // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force is
   // brought to zero. That takes one write, or more if the slew limit asks for it or the device refuses. After a second
@@ -174,6 +176,7 @@ class ServoLoop {
   RealTimeStatus real_time_;
   std::atomic<bool> stop_{false};
   std::atomic<bool> running_{false};
+  std::atomic<std::uint32_t> newest_faults_{0};
   std::jthread thread_;  // last member: it uses the others
 };
 

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/error.hpp"
+#include "servo/stability/late_feedback.hpp"
 
 namespace palpate {
 namespace {
@@ -33,14 +34,40 @@ double lastOfRun(double low, double high, double precision, const std::function<
   return good;
 }
 
+// a of the velocity's filter.
+double filterGain(const SampledLoop& loop) {
+  return loop.velocity_cutoff_hz > 0 ? -std::expm1(-2 * M_PI * loop.velocity_cutoff_hz / loop.rate_hz) : 1;
+}
+
+void check(const SampledLoop& loop, const Wall& wall) {
+  checkSetting(loop.delay_ticks >= 0, "device delay", loop.delay_ticks, "give 0 ticks or more");
+  checkSetting(std::isfinite(wall.stiffness_N_per_m), "stiffness", wall.stiffness_N_per_m, "give a number");
+  checkSetting(std::isfinite(wall.damping_Ns_per_m), "damping", wall.damping_Ns_per_m, "give a number");
+}
+
+// The characteristic polynomial of M but for a factor z: with the mass's step x = Phi x + g F,
+//   z^d det(z I - Phi) (z - 1 + a) + (g_x (z - Phi_vv) + Phi_xv g_v) (K (z - 1 + a) + B a (z - 1) / T).
+LateFeedback characteristic(const SampledLoop& loop, const Wall& wall) {
+  check(loop, wall);
+  const double tick_s = 1 / loop.rate_hz, gain = filterGain(loop);
+  const HandDynamics dynamics(loop.hand, tick_s);
+  const HandDynamics::Transition& step = dynamics.transition();
+  const double x_lost = 1 - step(0, 0), v_lost = 1 - step(1, 1), x_of_f = step(0, 4), v_of_f = step(1, 4);
+  const bool is_held = loop.hand.hand_stiffness_N_per_m > 0;  // if not, z = 1 is a root, exactly
+  const double held = is_held ? x_lost * v_lost - step(0, 1) * step(1, 0) : 0;
+  return {.open = {{held, x_lost + v_lost, 1}, {gain, 1}},
+          .feedback = {{x_of_f * v_lost + step(0, 1) * v_of_f, x_of_f},
+                       {wall.stiffness_N_per_m * gain, wall.stiffness_N_per_m + wall.damping_Ns_per_m * gain / tick_s}},
+          .delay_ticks = loop.delay_ticks};
+}
+
 }  // namespace
 
 Eigen::MatrixXd transitionMatrix(const SampledLoop& loop, const Wall& wall) {
-  checkSetting(loop.delay_ticks >= 0, "device delay", loop.delay_ticks, "give 0 ticks or more");
-  const double tick_s = 1 / loop.rate_hz;
+  check(loop, wall);
+  const double tick_s = 1 / loop.rate_hz, gain = filterGain(loop);
   const HandDynamics dynamics(loop.hand, tick_s);
   const HandDynamics::Transition& step = dynamics.transition();
-  const double gain = loop.velocity_cutoff_hz > 0 ? -std::expm1(-2 * M_PI * loop.velocity_cutoff_hz * tick_s) : 1;
   const Eigen::Index size = kFirstForce + loop.delay_ticks;
 
   Eigen::RowVectorXd velocity = Eigen::RowVectorXd::Zero(size);  // u_k of the state
@@ -79,7 +106,7 @@ std::complex<double> greatestEigenvalue(const SampledLoop& loop, const Wall& wal
 }
 
 bool isStable(const SampledLoop& loop, const Wall& wall) {
-  return std::abs(greatestEigenvalue(loop, wall)) < 1;
+  return allInside(characteristic(loop, wall));
 }
 
 double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m, double precision) {
@@ -96,9 +123,9 @@ double dampingBound(const SampledLoop& loop, double stiffness_N_per_m, double pr
 }
 
 int delayBound(const SampledLoop& loop, const Wall& wall, int most) {
-  SampledLoop late = loop;
+  LateFeedback late = characteristic(loop, wall);
   for (late.delay_ticks = 0; late.delay_ticks <= most; ++late.delay_ticks) {
-    if (!isStable(late, wall)) return late.delay_ticks - 1;
+    if (!allInside(late)) return late.delay_ticks - 1;
   }
   return most;
 }

@@ -138,12 +138,21 @@ TEST_F(Interrupts, TheSecondRequestEndsThatWorkToo) {
         catchInterrupts();
         const KeptWork kept;
         static AtomicFile unfinished(file("a.vdb"));
-        beStuck();
+        mark("ready");
+        while (!interrupted()) usleep(1000);
+        mark("heard");
+        for (;;) pause();
       },
-      sends({SIGINT, SIGINT}));
+      [this](pid_t child) {
+        waitFor("ready");
+        kill(child, SIGINT);
+        waitFor("heard");
+        usleep(kMoreThanOneRequest_us);
+        kill(child, SIGINT);
+      });
   EXPECT_EQ(ended.status, 130);
   EXPECT_THAT(ended.err, testing::HasSubstr("nothing was written"));
-  EXPECT_EQ(folder_.files(), 1);
+  EXPECT_EQ(folder_.files(), 2);
 }
 
 // `timeout` signals its child and then the child's group.

@@ -37,11 +37,13 @@ class Interrupt : public ProgramTest {
  protected:
   [[nodiscard]] Command touching(const Words& more, const std::string& at, const std::vector<int>& signals,
                                  const std::string& with = "") const {
+    const bool is_simulated = std::ranges::find(more, "simulated") != more.end();
+    const double some_ticks_s = is_simulated ? 0.2 : 0.5;  // the former makes them as fast as it can
     return {.arguments = Words{"touch", "phantom:sphere?size=24", "--picture", "off", "--out", "a/out"} + more,
             .folder = folder(),
             .signal_at = at,
             .signal_with = with,
-            .signal_delay_s = at == "palpating" ? 0.2 : 0,  // some ticks
+            .signal_delay_s = at == "palpating" ? some_ticks_s : 0,
             .signals = signals};
   }
   [[nodiscard]] Outcome interrupted(const Words& more, const std::string& at, const std::vector<int>& signals,

@@ -72,12 +72,17 @@ TEST_F(Service, RunsByTheRealClock) {
 // The servo is killed: the run ends with words, and the edits until then are kept.
 TEST_F(Service, AKilledServoIsTold) {
   const std::string touch = std::string(PALPATE_PROGRAM) +
-                            " touch 'phantom:sphere?size=32' --seconds 8 --picture off --service --edit "
+                            " touch 'phantom:sphere?size=32' --seconds 20 --picture off --service --edit "
                             "remove:radius=1mm --journal journal --approach 1";
-  const Outcome outcome = runPalpate(
-      {.arguments = {"-c", touch + " & run=$!; sleep 3; pkill -KILL -P $run palpate-servo; wait $run; echo ended $?"},
-       .program = "/bin/sh",
-       .folder = folder()});
+  // Once some edits are on the disk, of 100 bytes each after a shorter header.
+  const std::string waits =
+      "n=0; while [ $(stat -c %s journal/journal.palpate || echo 0) -lt 600 ] && [ $((n += 1)) -lt 1200 ]; do sleep "
+      "0.05; done 2> /dev/null; ";
+  const Outcome outcome =
+      runPalpate({.arguments = {"-c", touch + " & run=$!; " + waits +
+                                          "pkill -KILL -P $run palpate-servo; wait $run; echo ended $?"},
+                  .program = "/bin/sh",
+                  .folder = folder()});
   EXPECT_THAT(outcome.out, HasSubstr("ended 6"));
   EXPECT_THAT(outcome.err, HasSubstr("the servo: its process has ended"));
   EXPECT_THAT(outcome.err, HasSubstr("journal"));

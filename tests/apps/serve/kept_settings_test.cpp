@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/kept_settings.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -293,19 +294,25 @@ TEST_F(Kept, IsDueNowAndThen) {
 
 // It is tried again, and told once.
 TEST_F(Kept, AFolderThatIsNotThereIsToldOnce) {
-  KeptSettings settings(folder_.path() / "none" / "settings.json", Scene{},
-                        [this](const std::string& words) { said_.push_back(words); });
+  std::atomic<int> told = 0;
+  KeptSettings settings(folder_.path() / "none" / "settings.json", Scene{}, [&](const std::string& words) {
+    said_.push_back(words);
+    ++told;
+  });
   Scene served;
   settings.begin(served);
   for (int i = 1; i < 4; ++i) {
     served.force_limit_N = 0.1 * i;
     settings.look(served, i * 1'000'000'000LL);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    for (int waits = 0; waits < 6000 && told == 0; ++waits) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the later ones tell nothing
   }
   std::filesystem::create_directory(folder_.path() / "none");
-  settings.look(served, 9'000'000'000LL);  // nothing has changed
-  for (int i = 0; i < 200 && !std::filesystem::exists(folder_.path() / "none" / "settings.json"); ++i)
+  // Nothing has changed. A look while it still writes does nothing.
+  for (int i = 0; i < 6000 && !std::filesystem::exists(folder_.path() / "none" / "settings.json"); ++i) {
+    settings.look(served, (9 + i) * 1'000'000'000LL);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   EXPECT_TRUE(std::filesystem::exists(folder_.path() / "none" / "settings.json"));
   settings.forget();
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "none" / "settings.json"));

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +18,7 @@ namespace live_setting_test {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 // A key is live if, and only if, what the rig takes between two ticks (RigSettings) knows it, or it is the isovalue;
 // nothing else may depend on it that is made once.
@@ -101,7 +103,15 @@ TEST(LiveSetting, PrintsSettings) {
   scene.plane_renewal_ticks = 7;
   const std::vector<std::string> key = {"servo.n"};
   EXPECT_EQ(settingsText(scene, key), "servo.n = 7\n");
-  EXPECT_THAT(settingsText(scene, {}), HasSubstr("\nservo.n = 7\n"));
+  const std::string all = settingsText(scene, {});
+  const std::size_t others = all.find("\n# these cannot change");
+  ASSERT_NE(others, std::string::npos);
+  EXPECT_THAT(all, StartsWith("# 'palpate ctl set' changes these:\n"));
+  for (const SceneOption& option : sceneOptions()) {
+    const std::size_t at = all.find(fmt::format("\n{} = {}\n", option.key, optionText(option.value, scene)));
+    ASSERT_NE(at, std::string::npos) << option.key;
+    EXPECT_EQ(at < others, isLiveKey(option.key)) << option.key;
+  }
   const std::vector<std::string> none = {"servo.m"};
   EXPECT_THAT(refusalOf([&] { static_cast<void>(settingsText(scene, none)); }), HasSubstr("no setting"));
 }

@@ -179,6 +179,7 @@ TEST_F(Supervisor, PassesAHangUpOnAndGoesOn) {
 }
 
 TEST_F(Supervisor, GivesUpWhatDiesAgainAndAgain) {
+  settings.restarts.short_life_s = settings.restarts.short_lives_within_s = kLongPatience_s;
   const std::string refusal = refusalOf(
       [&] {
         supervise({command("servo", saysAt("TERM", "exit 0") + "touch ready; " + kGoesOn),
@@ -186,7 +187,7 @@ TEST_F(Supervisor, GivesUpWhatDiesAgainAndAgain) {
                   settings);
       },
       Error::Code::kIo);
-  EXPECT_THAT(refusal, AllOf(HasSubstr("engine: it died 5 times within 10 s, the last time: ended with status 2; "),
+  EXPECT_THAT(refusal, AllOf(HasSubstr("engine: it died 5 times within 1000 s, the last time: ended with status 2; "),
                              HasSubstr("alone: sh -c ")));
   EXPECT_EQ(runs("engine").size(), 5U);
   EXPECT_EQ(runs("servo").size(), 1U);
@@ -196,10 +197,9 @@ TEST_F(Supervisor, GivesUpWhatDiesAgainAndAgain) {
 }
 
 TEST_F(Supervisor, KillsWhatDoesNotEnd) {
-  settings.patience_s = kNoPatience_s;
-  const SupervisionEnd end = supervise({command("servo", "trap '' TERM; touch ready; " + std::string(kGoesOn)),
-                                        command("engine", waitsFor("ready") + "exit 0", true)},
-                                       settings);
+  SupervisedCommand servo = command("servo", "trap '' TERM; touch ready; " + std::string(kGoesOn));
+  servo.patience_s = kNoPatience_s;  // before it is killed; its death is waited for with the settings' patience
+  const SupervisionEnd end = supervise({servo, command("engine", waitsFor("ready") + "exit 0", true)}, settings);
   EXPECT_EQ(end.killed, 1);
   EXPECT_THAT(lines, ElementsAre("engine: ended with status 0; so all is ended",
                                  "servo: still there 0.01 s after SIGTERM; it is killed"));
@@ -209,12 +209,11 @@ TEST_F(Supervisor, KillsWhatDoesNotEnd) {
 
 // One that writes a large file is waited for, though another one is not.
 TEST_F(Supervisor, WaitsForEachAsLongAsItMay) {
-  settings.patience_s = kNoPatience_s;
-  SupervisedCommand engine = command("engine", saysAt("TERM", "sleep 0.3; exit 0") + "touch ready; " + kGoesOn);
-  engine.patience_s = kLongPatience_s;
-  const SupervisionEnd end = supervise({command("servo", std::string("trap '' TERM; touch deaf; ") + kGoesOn), engine,
-                                        command("first", waitsFor("deaf") + waitsFor("ready") + "exit 0", true)},
-                                       settings);
+  SupervisedCommand servo = command("servo", std::string("trap '' TERM; touch deaf; ") + kGoesOn);
+  servo.patience_s = kNoPatience_s;
+  const SupervisedCommand engine = command("engine", saysAt("TERM", "sleep 0.3; exit 0") + "touch ready; " + kGoesOn);
+  const SupervisionEnd end =
+      supervise({servo, engine, command("first", waitsFor("deaf") + waitsFor("ready") + "exit 0", true)}, settings);
   EXPECT_EQ(end.killed, 1);
   EXPECT_EQ(said(), "TERM\n");
 }

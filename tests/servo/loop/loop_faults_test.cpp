@@ -26,7 +26,9 @@ class LoopFaults : public testing::Test {
     parameters.record_ticks = ticks;
     ServoLoop loop(parameters, algorithm, device, windows, tool);
     if (changes != nullptr) loop.takeChangesFrom(*changes);
+    newest_faults.clear();
     clock.before_tick = [&] {
+      newest_faults.push_back(loop.newestFaults());
       if (tool.latest().tick >= 0) fastest_m_per_s = std::max(fastest_m_per_s, tool.latest().velocity_W.norm());
       if (script.tick >= first_window && script.tick < ticks) engine.beforeTick(windows, clock.time_ns);
       if (script.tick == ticks - 1) loop.requestStop();
@@ -50,7 +52,8 @@ class LoopFaults : public testing::Test {
   ScriptedClock clock{script};
   ScriptedDevice device{script, clock, [](int) { return Vec3::Constant(8e-3).eval(); }, 1000};
   ServoChanges* changes = nullptr;
-  double fastest_m_per_s = 0;  // of all velocities that the engine was told
+  std::vector<std::uint32_t> newest_faults;  // as another thread would see them before each tick
+  double fastest_m_per_s = 0;                // of all velocities that the engine was told
 };
 
 TEST_F(LoopFaults, NoneGivesThePush) {
@@ -116,6 +119,9 @@ TEST_F(LoopFaults, TheFirstWindowIsNotStale) {
 TEST_F(LoopFaults, AStallAsleepStartsTheForceFromNothing) {
   const LoopResult result = run(50, {{Injected::kStallAsleep, 20, 1, 0.05}});
   expectFault(result, ServoFault::kStall, 20, 21);
+  EXPECT_EQ(newest_faults[20], 0U);
+  EXPECT_EQ(newest_faults[21] | bit(ServoFault::kOverrun), result.records[20].faults);
+  EXPECT_EQ(newest_faults[22], result.records[21].faults);
   EXPECT_EQ(force(result, 19), 4);
   EXPECT_EQ(force(result, 20), 0);
   for (std::size_t i = 1; i <= 10; ++i) EXPECT_NEAR(force(result, 20 + i), 0.4 * static_cast<double>(i), 1e-12);

@@ -2,6 +2,7 @@
 #include "servo/loop/servo_loop.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -321,7 +322,8 @@ class SlowOnce final : public Device {
     return true;
   }
   [[nodiscard]] bool write(const Vec3&) noexcept override { return true; }
-  int reads = 0, elapsed = 0;
+  std::atomic<int> reads = 0;
+  int elapsed = 0;
 };
 
 // In a child that is nobody and may have no priority.
@@ -380,12 +382,16 @@ TEST(ServoLoopReal, WhatIsAllowedIsNoReasonToRefuse) {
 TEST(ServoLoopReal, AMissedDeadlineIsFlaggedAndTheGridKept) {
   TouchScene scene;
   SlowOnce device;
-  LoopParameters p = simulated(60);
+  LoopParameters p = simulated(0);
+  p.record_ticks = 100'000;
   p.real_time = false;
   ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
   loop.start();
+  while (device.reads < 60) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  loop.requestStop();
   const LoopResult run = loop.wait();
   EXPECT_FALSE(run.real_time.asked);
+  ASSERT_EQ(run.records.front().tick, 0);  // all are there
   EXPECT_GE(run.ticks_skipped, 4);
   const TickRecord& slow = run.records[18];  // the first read was the constructor's
   EXPECT_TRUE(has(slow.faults, ServoFault::kOverrun));
