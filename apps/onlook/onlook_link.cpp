@@ -24,6 +24,11 @@ constexpr int kPoll_ms = 20;
 constexpr std::chrono::milliseconds kAgain{100};  // between two looks for a service that is gone
 constexpr std::size_t kMostWaiting = 256;
 
+// What the window asks by itself, again and again.
+bool isOfTheWindow(wire::Verb verb) {
+  return verb == wire::Verb::Show || verb == wire::Verb::Change || verb == wire::Verb::Look;
+}
+
 bool isSame(const SeenVolume& a, const SeenVolume& b) {
   return a.name == b.name && a.size == b.size && a.lattice.origin_W == b.lattice.origin_W &&
          a.lattice.R_WL == b.lattice.R_WL && a.lattice.spacing_m == b.lattice.spacing_m;
@@ -160,9 +165,12 @@ void OnlookLink::lose(const std::string& why) {
   if (ends_) return;
   is_there_ = looked_.can_edit = looked_.has_servo = false;  // as far as is known
   messages_.push_back(fmt::format("the service is gone ({}); its edits are in its journal, and it is waited for", why));
-  for (const auto& [number, one] : open_)
+  for (const auto& [number, one] : open_) {
     if (one.errand == Errand::kYes)
       messages_.push_back(fmt::format("{}: the service went before it was written; save again", one.what));
+    else if (!isOfTheWindow(one.verb))
+      messages_.push_back(fmt::format("{}: the service went before it answered", one.what));
+  }
   for (const Waiting& one : waiting_)
     messages_.push_back(fmt::format("{}: the service went before it was asked", one.open.what));
   open_.clear();

@@ -162,14 +162,17 @@ void ClientDesk::take(Client& client, const wire::AskT& ask) {
 
 Questions::Done ClientDesk::answerTo(Client& client, const wire::AskT& ask) {
   ++client.open;
-  return
-      [this, client = client.number, asked = ask.number](const std::optional<Error>& refusal, const std::string& text) {
-        {
-          const std::lock_guard lock(mutex_);
-          ready_.push_back({client, asked, refusal, text});
-        }
-        waker_.wake();
-      };
+  // What memory was lacking for may be refused by who was asked, and once more by who asked.
+  auto is_answered = std::make_shared<std::atomic_flag>();
+  return [this, client = client.number, asked = ask.number, is_answered](const std::optional<Error>& refusal,
+                                                                         const std::string& text) {
+    if (is_answered->test_and_set()) return;
+    {
+      const std::lock_guard lock(mutex_);
+      ready_.push_back({client, asked, refusal, text});
+    }
+    waker_.wake();
+  };
 }
 
 // Nobody is waited for: a client whose socket is full has not read.
@@ -194,8 +197,8 @@ std::vector<std::byte> ClientDesk::encodedAnswer(const Ready& one) {
     return encoded(shortened(answerOf(one.asked, one.refusal, one.text)));
   } catch (const std::exception& error) {
     tell_(fmt::format("an answer to client {} could not be made: {}", one.client, error.what()));
-    wire::AnswerT none;
-    return encoded(std::move(none));
+    return encoded(answerOf(
+        one.asked, Error(Error::Code::kOutOfMemory, "the answer", "it could not be made", "ask for less"), {}));
   }
 }
 

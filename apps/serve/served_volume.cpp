@@ -92,7 +92,11 @@ void ServedVolume::close(const std::string& save) {
   if (engine_) {
     // A file that was written beside is a copy: the next start begins from the volume again, and makes the edits again.
     LiveVolume& live = engine_->live();
-    if (live.hasEngine()) live.edits().doWaiting(0);
+    try {
+      if (live.hasEngine()) live.edits().doWaiting(0);
+    } catch (const std::exception&) {  // all that follows must be done: who asked is told by it
+      if (!failure_) failure_ = std::current_exception();
+    }
     const RigEdits::Counts counts = live.edits().counts();
     const bool has_edits = counts.done + counts.forgotten > 0;
     if (has_edits && !save.empty() && !failure_) {

@@ -45,7 +45,7 @@ class ServoHost::Impl {
   void serve(Channel channel, const std::function<bool()>& stopped) {
     channel_.emplace(std::move(channel), "the engine");
     ended_ = is_shared_ = false;
-    stale_ = {};
+    stale_.beginAnew();
     wire::HelloT hello;
     hello.layout = kLinkLayout;
     hello.commit = commit_;
@@ -394,7 +394,7 @@ class ServoHost::Impl {
   std::unique_ptr<SampledPath> way_;      // leads the device
   std::unique_ptr<PointerPath> pointer_;  // or this does
   ForceOff told_force_off_ = ForceOff::kNone;
-  StaleWatch stale_;  // of the present engine
+  StaleWatch stale_;
   std::unique_ptr<Device> device_;
   std::optional<Placement> placement_;
   std::optional<RecordedContact> session_;

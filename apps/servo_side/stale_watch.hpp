@@ -19,6 +19,9 @@ class StaleWatch {
   // Every some milliseconds: whether the servo's newest tick had a stale window (ServoFault::kStaleWindow). What there
   // is to say, once when it has lasted and once when it is over; empty: nothing.
   [[nodiscard]] std::string look(bool is_stale, std::int64_t now_ns);
+  // With another engine, or the same one that has made itself anew: what was told ends with its windows, what was not
+  // begins anew.
+  void beginAnew() noexcept;
 
  private:
   std::optional<std::int64_t> since_ns_;

@@ -68,7 +68,8 @@ class LongSession : public ServiceTest {
   [[nodiscard]] std::vector<fs::path> checkpoints() const {
     std::vector<fs::path> found;
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(file("state"))) {
-      if (entry.path().filename().string().starts_with("checkpoint-")) found.push_back(entry.path());
+      const std::string name = entry.path().filename().string();  // not one that is being written
+      if (name.starts_with("checkpoint-") && name.ends_with(".palpate")) found.push_back(entry.path());
     }
     return found;
   }
@@ -120,25 +121,27 @@ TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   EXPECT_EQ(contentSavedAs("with.vdb"), content);
   const double again = figure("undoable");
   EXPECT_LT(again, edits);
-  // Killed again and again: another checkpoint may be written of what was made again, and then none any more.
+  // Killed again and again: where making edits again takes long, a checkpoint is written of what was made again. Two
+  // may be, before one has all; then none is any more.
   double undoable = again;
-  for (int i = 0; i < 3; ++i) {
+  int shrunk = 0;
+  for (int i = 0; i < 5; ++i) {
     static_cast<void>(comeBack());
     EXPECT_EQ(contentSavedAs("again.vdb"), content);
     const double now = figure("undoable");
     EXPECT_GT(now, 0);
     EXPECT_LE(now, undoable);
-    if (i > 0) {
-      EXPECT_EQ(now, undoable);
-    }
+    shrunk += now < undoable ? 1 : 0;
     undoable = now;
   }
+  EXPECT_LE(shrunk, 2);
   // One edit and its undo count among the others.
   ASSERT_EQ(ctl({"edit", "add:radius=3mm:at=0,0,28mm"}).status, 0);
   static_cast<void>(comeBack());
   EXPECT_NE(contentSavedAs("more.vdb"), content);
-  ASSERT_EQ(ctl({"undo"}).status, 0);
+  ASSERT_EQ(ctl({"undo"}).status, 0);  // the newest checkpoint may have it; a start begins from the earlier one
   EXPECT_EQ(contentSavedAs("less.vdb"), content);
+  engine.end(SIGKILL);  // else it may be about to write one
   const std::uintmax_t bytes = removeCheckpoints();
   const double without_s = comeBack();
   EXPECT_EQ(contentSavedAs("without.vdb"), content);
@@ -155,6 +158,7 @@ TEST_F(LongSession, IsBackAsSoonAsAShortOne) {
   ASSERT_TRUE(awaitService()) << contentsOf(file("serve.log"));
   EXPECT_EQ(contentSavedAs("left-again.vdb"), left);
   // A journal without an edit in effect goes, and the checkpoints with it.
+  engine.end(SIGKILL);
   static_cast<void>(removeCheckpoints());
   static_cast<void>(comeBack());
   undoAll();

@@ -23,7 +23,7 @@ class Interrupts : public testing::Test {
   [[nodiscard]] std::filesystem::path file(const std::string& name) const { return folder_.path() / name; }
   void mark(const std::string& name) const { std::ofstream(file(name)) << name; }
   void waitFor(const std::string& name) const {
-    while (!std::filesystem::exists(file(name))) usleep(1000);
+    for (int looks = 0; looks < 60'000 && !std::filesystem::exists(file(name)); ++looks) usleep(1000);
   }
   // Work that looks at nothing, as a library's does.
   [[noreturn]] void beStuck() const {

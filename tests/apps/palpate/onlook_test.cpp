@@ -89,7 +89,7 @@ struct Person {
 
 class Onlook : public ServiceTest {
  protected:
-  void serveBall(const Words& more = {}) { serve(Words{kBall, "--device", "mouse"} + more); }
+  void serveBall(const Words& more = {}) { serveFromTheJournal(Words{kBall, "--device", "mouse"} + more); }
   [[nodiscard]] std::string socket() const { return file("run/palpate/service.sock").string(); }
   [[nodiscard]] std::unique_ptr<Person> comes() const { return std::make_unique<Person>(socket()); }
 };

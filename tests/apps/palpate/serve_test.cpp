@@ -147,7 +147,7 @@ TEST_F(Serve, ASecondServiceTakesNothing) {
   EXPECT_THAT(other.err, HasSubstr("another service keeps it"));
   expectSuccess(ctl({"edit", "add:radius=2mm:at=12,-12,-12mm"}));
   engine.end(SIGKILL);
-  serve({kServedSphere, "--journal", "kept"});
+  serveFromTheJournal({kServedSphere, "--journal", "kept"});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 2);
   EXPECT_EQ(contentsOf(file("kept/mine.txt")), "mine");
@@ -164,7 +164,7 @@ TEST_F(Serve, SavesWhenItIsToldToEnd) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_GT(densityAt("end.vdb", Vec3(-12, -12, -12) * 1e-3), 0);
   const std::string saved = contentsOf(file("end.vdb"));
-  serve({kServedSphere, "--save", "end.vdb"});
+  serveFromTheJournal({kServedSphere, "--save", "end.vdb"});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 1);
   expectSuccess(ctl({"undo"}));
@@ -191,7 +191,7 @@ TEST_F(Serve, KeepsWhatNoFileHolds) {
     EXPECT_EQ(other.status, 2);
     EXPECT_THAT(other.err, HasSubstr("edits of an earlier service wait in "));
   }
-  serve({kServedSphere});
+  serveFromTheJournal({kServedSphere});
   ASSERT_TRUE(awaitService());
   EXPECT_EQ(status()["undoable"], 1);
 }

@@ -88,17 +88,17 @@ class ServiceTest : public ProgramTest {
   }
 
   void serve(const Words& scene) {
-    forgetCheckpoints();
     engine = RunningProgram(PALPATE_PROGRAM, Words{"serve"} + scene, folder(), "serve.log");
   }
   void join() { servo = RunningProgram(PALPATE_PROGRAM, {"servo"}, folder(), "servo.log"); }
-  // What a checkpoint has cannot be undone by the next engine, and edits that take long, as on a busy machine, make
-  // one. The journal alone has everything.
-  void forgetCheckpoints() const {
-    std::vector<std::filesystem::path> found;
+  // From the journal alone, which has everything. What a checkpoint has cannot be undone by the next engine, and edits
+  // that take long, as on a busy machine, make one.
+  void serveFromTheJournal(const Words& scene) {
+    std::vector<std::filesystem::path> checkpoints;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder()))
-      if (entry.path().filename().string().starts_with("checkpoint-")) found.push_back(entry.path());
-    for (const std::filesystem::path& one : found) std::filesystem::remove(one);
+      if (entry.path().filename().string().starts_with("checkpoint-")) checkpoints.push_back(entry.path());
+    for (const std::filesystem::path& one : checkpoints) std::filesystem::remove(one);
+    serve(scene);
   }
   [[nodiscard]] Outcome ctl(const Words& words) const { return run(Words{"ctl"} + words); }
   [[nodiscard]] nlohmann::json status() const {

@@ -20,7 +20,7 @@ TEST(StaleWatch, TellsOnceWhatLastsAndOnceThatItIsOver) {
   EXPECT_THAT(watch.look(true, kStart_ns + kLast_ns - 1), IsEmpty());
   EXPECT_THAT(watch.look(true, kStart_ns + kLast_ns), HasSubstr("sends no windows"));
   EXPECT_THAT(watch.look(true, kStart_ns + 2 * kLast_ns), IsEmpty());
-  EXPECT_THAT(watch.look(false, kStart_ns + 3 * kLast_ns), HasSubstr("windows again, after 1.5 s"));
+  EXPECT_THAT(watch.look(false, kStart_ns + 3 * kLast_ns), HasSubstr("windows again; they were stale for 1.5 s"));
   EXPECT_THAT(watch.look(false, kStart_ns + 4 * kLast_ns), IsEmpty());
 }
 
@@ -30,7 +30,7 @@ TEST(StaleWatch, ASecondTimeCountsFromItsOwnBeginning) {
     const std::int64_t from_ns = kStart_ns + time * StaleWatch::kPause_ns;
     EXPECT_THAT(watch.look(true, from_ns), IsEmpty());
     EXPECT_THAT(watch.look(true, from_ns + kLast_ns), HasSubstr("sends no windows"));
-    EXPECT_THAT(watch.look(false, from_ns + kLast_ns), HasSubstr("after 0.5 s"));
+    EXPECT_THAT(watch.look(false, from_ns + kLast_ns), HasSubstr("stale for 0.5 s"));
   }
 }
 
@@ -55,6 +55,20 @@ TEST(StaleWatch, WhatBeginsInThePauseIsToldIfItOutlastsIt) {
   EXPECT_THAT(watch.look(true, kLast_ns + 2), IsEmpty());
   EXPECT_THAT(watch.look(true, kLast_ns + StaleWatch::kPause_ns - 1), IsEmpty());
   EXPECT_THAT(watch.look(true, kLast_ns + StaleWatch::kPause_ns), HasSubstr("sends no windows"));
+}
+
+// The engine broke off and came back: the end of what was told is told, and what was not told does not count on.
+TEST(StaleWatch, GoesOnWithTheNextEngine) {
+  StaleWatch watch;
+  EXPECT_THAT(watch.look(true, 0), IsEmpty());
+  watch.beginAnew();
+  EXPECT_THAT(watch.look(true, kLast_ns), IsEmpty());
+  EXPECT_THAT(watch.look(true, 2 * kLast_ns), HasSubstr("sends no windows"));
+  watch.beginAnew();
+  EXPECT_THAT(watch.look(true, 3 * kLast_ns), IsEmpty());
+  EXPECT_THAT(watch.look(false, 4 * kLast_ns), HasSubstr("stale for 1.5 s"));
+  EXPECT_THAT(watch.look(true, 5 * kLast_ns), IsEmpty());
+  EXPECT_THAT(watch.look(true, 6 * kLast_ns), IsEmpty()) << "the pause goes on, too";
 }
 
 // A driver without a GPU is late for a moment again and again.

@@ -209,11 +209,12 @@ TEST_F(Supervisor, KillsWhatDoesNotEnd) {
 
 // One that writes a large file is waited for, though another one is not.
 TEST_F(Supervisor, WaitsForEachAsLongAsItMay) {
-  SupervisedCommand servo = command("servo", std::string("trap '' TERM; touch deaf; ") + kGoesOn);
-  servo.patience_s = kNoPatience_s;
-  const SupervisedCommand engine = command("engine", saysAt("TERM", "sleep 0.3; exit 0") + "touch ready; " + kGoesOn);
-  const SupervisionEnd end =
-      supervise({servo, engine, command("first", waitsFor("deaf") + waitsFor("ready") + "exit 0", true)}, settings);
+  settings.patience_s = kNoPatience_s;
+  SupervisedCommand engine = command("engine", saysAt("TERM", "sleep 0.3; exit 0") + "touch ready; " + kGoesOn);
+  engine.patience_s = kLongPatience_s;
+  const SupervisionEnd end = supervise({command("servo", std::string("trap '' TERM; touch deaf; ") + kGoesOn), engine,
+                                        command("first", waitsFor("deaf") + waitsFor("ready") + "exit 0", true)},
+                                       settings);
   EXPECT_EQ(end.killed, 1);
   EXPECT_EQ(said(), "TERM\n");
 }
