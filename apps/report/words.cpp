@@ -79,11 +79,11 @@ std::string swingWords(const ContactStability& s) {
 std::string unstableWords(const ContactStability& s, const RunFigures& f) {
   const auto times = [](int count) { return counted(static_cast<std::uint64_t>(count), "time"); };
   return fmt::format(
-      "unstable: {}, {} in all, and the surface fed it{}; lower --stiffness, raise --rate, or raise --damping "
+      "unstable: {}, {} in all, and the surface fed it{}; lower --stiffness{}, raise --rate, or raise --damping "
       "(up to about the moved mass over the tick and the velocity's delay; more shakes by itself){}",
       swingWords(s), counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
       s.ended_by_servo > 0 ? "; the servo took the force away " + times(s.ended_by_servo) : "",
-      f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
+      s.delay_ticks > 0 ? " or --delay" : "", f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
 }
 
 // The likely cause of the activity, and what lessens it.
@@ -92,7 +92,9 @@ std::string sourceWords(const ContactStability& s, const RunFigures& f) {
     case ActivitySource::kEdits:
       return "the volume was edited under the tool, which moves the surface against the hand";
     case ActivitySource::kSampledWall:
-      return std::string("a sampled wall with less damping than K T / 2 does so; more --damping or a higher --rate") +
+      return fmt::format("a sampled wall with less damping than {} does so; more --damping{} or a higher --rate",
+                         s.delay_ticks > 0 ? fmt::format("K T (1/2 + {})", s.delay_ticks) : "K T / 2",
+                         s.delay_ticks > 0 ? ", a shorter --delay" : "") +
              (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
     default:
       return std::string("the damping is enough for this stiffness and rate, so it is the field: where samples are ") +
@@ -105,7 +107,8 @@ std::string sourceWords(const ContactStability& s, const RunFigures& f) {
 std::string stabilityClause(const ContactStability& s, const RunFigures& f) {
   switch (s.verdict) {
     case ContactVerdict::kUnstable:
-      return fmt::format("; the contact was unstable: lower --stiffness, raise --rate or --damping{}",
+      return fmt::format("; the contact was unstable: lower --stiffness{}, raise --rate or --damping{}",
+                         s.delay_ticks > 0 ? " or --delay" : "",
                          f.damped_ticks > 0 ? "" : ", or use --passivity control");
     case ContactVerdict::kSlightlyActive:
       return "; the contact was slightly active";

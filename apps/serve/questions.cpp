@@ -173,7 +173,7 @@ void Questions::edit(const std::vector<std::string>& words, const Done& done) {
   std::string answer = fmt::format("{} edit{} made{}", commands.size(), commands.size() == 1 ? "" : "s",
                                    served_.keepsJournal() ? ", and on the disk" : "");
   if (const std::string warning = warningOf(commands, served_.lattice(), served_.profile()); !warning.empty())
-    answer += "; one of them: " + warning;
+    answer += (commands.size() == 1 ? "; " : "; one of them at least: ") + warning;
   served_.edit(std::move(commands), [done, answer](const std::optional<Error>& refusal) { done(refusal, answer); });
 }
 

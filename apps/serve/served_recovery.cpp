@@ -65,6 +65,9 @@ void ServedVolume::makeAnew() {
       throw;
     }
   }
+  if (filter && !refusal)
+    tell_(filter->empty() ? std::string("the volume is felt without filters from now on")
+                          : fmt::format("the volume is felt through {} from now on", *filter));
   servo_.reset();  // to whose memory the engine before wrote
   giveFreeHeapBack();
   Done also;  // of a client that asked meanwhile for the same filters

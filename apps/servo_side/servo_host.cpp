@@ -309,6 +309,7 @@ class ServoHost::Impl {
     if (!started_) {
       loop_->start();
       if (stays_ && tell_) {
+        tell_(fmt::format("the device {} touches the engine's volume", device_->name()));
         for (const std::string& note : loop_->realTime().notes) tell_(note);
       }
     }

@@ -21,7 +21,7 @@ class ServoHost {
  public:
   using Tell = std::function<void(const std::string&)>;
   // `commit`: of this program, which must be the engine's. `tell`: of a servo that stays, what real time its loop
-  // lacks, and that an engine sends no windows, or sends them again; no result would say it.
+  // lacks, that it begins, and that an engine sends no windows, or sends them again; no result would say it.
   ServoHost(bool stays, std::string commit, Tell tell = {});
   ~ServoHost();  // the force goes to zero; the device is let go
 

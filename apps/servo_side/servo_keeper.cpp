@@ -28,6 +28,7 @@ class ServoKeeper {
       const int looks = again_soon ? kLooksForAnEngine : kLooksAfterTrouble;
       for (int look = 0; look < looks && !keeping_.stopped(); ++look) std::this_thread::sleep_for(kLook);
     }
+    keeping_.tell("it was told to end: the force goes to zero, and the device is let go");
   }
 
  private:
@@ -44,6 +45,7 @@ class ServoKeeper {
     try {
       if (trouble_.empty()) tellOnce(fmt::format("an engine at {}", keeping_.socket));
       host_.serve(std::move(*channel), keeping_.stopped);
+      if (keeping_.stopped()) return true;
       tellOnce("the engine has let go of the servo, which looks for it, or for the next one, again");
     } catch (const Error& error) {
       const bool is_gone = error.code() == Error::Code::kDevice && error.input() == "the engine";

@@ -39,7 +39,7 @@ std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice,
   const double voxel_m = lattice.smallestSpacing();
   if (!isBrush(command.kind) || command.radius_m >= voxel_m / 2) return "";
   return fmt::format(
-      "its radius of {:g} mm is below half a voxel ({:g} mm), which voxels cannot show: "
+      "its radius of {:g} mm is below half a voxel (of {:g} mm), which voxels cannot show: "
       "densities change up to {:g} mm around it, but the surface there may hardly move; "
       "give a larger one, or resample the volume",
       command.radius_m * kMillimetresPerMetre, voxel_m * kMillimetresPerMetre,

@@ -50,6 +50,7 @@ struct ContactStability {
   double stored_J = 0;   // the most that any contact of the run had taken at once
   double share = 0;      // given / stored; 0 where nothing was stored [-]
   double allowed_J = 0;  // error and quiet share, summed over all contacts
+  int delay_ticks = 0;   // of the device's force, which lends to both
   // For the swings:
   int bounces = 0;              // how often contact was left outwards while the hand wanted the tool inside
   double swing_m = 0;           // mean height of the swings that were judged unstable; the largest such mean [m]

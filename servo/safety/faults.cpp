@@ -59,11 +59,13 @@ constexpr std::array kTable = {
         "the tool swung against the surface without settling, and the surface fed it",
         "falls to zero within the fade time, stays away until the tool has left the surface, and comes back with a "
         "quarter of the stiffness and damping",
-        "lower the stiffness, raise the rate, or see the run's first lines for what this device can bear"},
-    FaultText{ServoFault::kForceOff, "force-off",
-              "the device exerted no force: it was not connected, not calibrated, without a limit, or its clutch was pressed",
-              "is none while it lasts, then grows back from nothing within the fade time",
-              "plug it in, calibrate it, or let the clutch go; 'palpate doctor' says which"},
+        "lower the stiffness, the device's delay or the damping, raise the rate, or see the run's first lines for what "
+        "this device can bear"},
+    FaultText{
+        ServoFault::kForceOff, "force-off",
+        "the device exerted no force: it was not connected, not calibrated, without a limit, or its clutch was pressed",
+        "is none while it lasts, then grows back from nothing within the fade time",
+        "plug it in, calibrate it, or let the clutch go; 'palpate doctor' says which"},
 };
 
 void append(std::string& names, const char* name) {

@@ -313,9 +313,9 @@ TEST_F(EditVerb, TellsOfABrushThatVoxelsCannotShow) {
   const Outcome outcome =
       edit(dos({"remove:radius=1um:at=9.7,0,0", "remove:radius=2um:at=9,0,0", "remove:radius=0.5:at=9,0,0"}));
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(
-      errorLines(outcome.err),
-      testing::ElementsAre(HasSubstr("radius=1um:at=9.7,0,0': its radius of 0.001 mm is below half a voxel (1 mm)")));
+  EXPECT_THAT(errorLines(outcome.err),
+              testing::ElementsAre(
+                  HasSubstr("radius=1um:at=9.7,0,0': its radius of 0.001 mm is below half a voxel (of 1 mm)")));
 }
 
 // A file that cannot keep the isovalue would silently have another surface.

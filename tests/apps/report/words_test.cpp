@@ -214,7 +214,14 @@ TEST(Words, SlightlyActiveNamesTheSource) {
   ContactStability active;
   active.verdict = ContactVerdict::kSlightlyActive;
   active.source = ActivitySource::kSampledWall;
-  EXPECT_THAT(stabilityWords(active, {}), HasSubstr("K T / 2 does so; more --damping"));
+  EXPECT_THAT(stabilityWords(active, {}), HasSubstr("K T / 2 does so; more --damping or a higher --rate"));
+  active.delay_ticks = 3;
+  EXPECT_THAT(
+      stabilityWords(active, {}),
+      HasSubstr("less damping than K T (1/2 + 3) does so; more --damping, a shorter --delay or a higher --rate"));
+  ContactStability swings = active;
+  swings.verdict = ContactVerdict::kUnstable;
+  EXPECT_THAT(stabilityWords(swings, {}), HasSubstr("; lower --stiffness or --delay, raise --rate,"));
   active.source = ActivitySource::kField;
   EXPECT_THAT(stabilityWords(active, {}), HasSubstr("it is the field"));
   EXPECT_THAT(stabilityWords(active, {}), HasSubstr(", or --passivity control, lessens it"));

@@ -172,6 +172,7 @@ TEST(ContactStability, ARunWithoutContactHasNoVerdict) {
   EXPECT_EQ(s.stored_J, 0);
   EXPECT_EQ(s.unstable_from_s, -1);
   EXPECT_EQ(assessContact({}, {}).verdict, ContactVerdict::kNoContact);
+  EXPECT_EQ(assessContact({}, {.delay_ticks = 3}).delay_ticks, 3);
 }
 
 // ---- three of them ----
