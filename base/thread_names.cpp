@@ -14,6 +14,10 @@ void nameThisThread(const char* name) noexcept {
   static_cast<void>(pthread_setname_np(pthread_self(), name));
 }
 
+void nameThread(std::thread::native_handle_type thread, const char* name) noexcept {
+  static_cast<void>(pthread_setname_np(thread, name));
+}
+
 std::vector<std::string> threadNames() {
   namespace fs = std::filesystem;
   std::vector<long> ids;

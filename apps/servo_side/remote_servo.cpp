@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <future>
 #include <utility>
 
 #include <fmt/format.h>
@@ -181,14 +180,8 @@ LoopResult RemoteServo::runSimulated(const ServoLoop::Hook& before_tick) {
 void RemoteServo::start() {
   channel_.send(wire::StartT{});
   running_.store(true, std::memory_order_release);
-  std::promise<void> named;  // so that it is there by its name for who lists the threads
-  std::future<void> is_named = named.get_future();
-  listener_ = std::jthread([this, named = std::move(named)]() mutable {
-    nameThisThread("servo link");
-    named.set_value();
-    listen();
-  });
-  is_named.wait();
+  listener_ = std::jthread([this] { listen(); });
+  nameThread(listener_.native_handle(), "servo link");
 }
 
 void RemoteServo::listen() {

@@ -2,7 +2,6 @@
 #include "engine/service/engine_thread.hpp"
 
 #include <chrono>
-#include <future>
 #include <utility>
 
 #include "base/thread_names.hpp"
@@ -25,14 +24,8 @@ std::int64_t now_ns() {
 
 EngineThread::EngineThread(Engine& engine, ToolPoseMailbox& poses, Follow follow, std::function<void()> failed)
     : engine_(engine), poses_(poses), follow_(std::move(follow)), on_failure_(std::move(failed)) {
-  std::promise<void> named;  // so that it is there by its name for who lists the threads
-  std::future<void> is_named = named.get_future();
-  thread_ = std::thread([this, named = std::move(named)]() mutable {
-    nameThisThread("engine");
-    named.set_value();
-    run();
-  });
-  is_named.wait();
+  thread_ = std::thread([this] { run(); });
+  nameThread(thread_.native_handle(), "engine");
 }
 
 EngineThread::~EngineThread() {

@@ -30,6 +30,17 @@ TEST(ThreadNames, AreThoseOfTheThreadsThatLive) {
   EXPECT_THAT(without, Not(Contains("a test's thread")));
 }
 
+// It may not have run yet.
+TEST(ThreadNames, AreThereAsSoonAsTheMakerGivesThem) {
+  std::latch seen(1);
+  std::thread other([&] { seen.wait(); });
+  nameThread(other.native_handle(), "made");
+  const std::vector<std::string> names = threadNames();
+  seen.count_down();
+  other.join();
+  EXPECT_THAT(names, Contains("made").Times(1));
+}
+
 TEST(ThreadNames, ANameThatIsTooLongIsLeftOut) {
   std::thread([] {
     nameThisThread("before");
