@@ -26,7 +26,7 @@
 #include <optional>
 
 #include "servo/algorithms/algorithm.hpp"
-#include "servo/algorithms/edit_ease.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/algorithms/field_cache.hpp"
 
 namespace palpate {

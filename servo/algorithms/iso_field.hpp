@@ -52,6 +52,11 @@ class IsoField {
   [[nodiscard]] const WindowSampler& sampler() const noexcept { return sampler_; }
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }
   [[nodiscard]] double voxel() const noexcept { return sampler_.smallestSpacing(); }  // the smallest side [m]
+  // A way cut to one voxel, measured along it.
+  [[nodiscard]] Vec3 cutToVoxel(const Vec3& way_W) const noexcept {
+    const double squared = sampler_.squaredVoxels(way_W);
+    return squared <= 1 ? way_W : Vec3(way_W / std::sqrt(squared));
+  }
 
   // One fetch.
   [[nodiscard]] Probe probe(const Vec3& p_W) const noexcept {

@@ -4,16 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "servo/contact/surface_patch.hpp"
+
 namespace palpate {
 namespace {
 
 [[gnu::always_inline]] inline Vec3 tangential(const Vec3& v_W, const Vec3& normal_W) noexcept {
   return v_W - normal_W * normal_W.dot(v_W);
-}
-
-[[gnu::always_inline]] inline Vec3 shortened(const Vec3& v_W, double longest_m) noexcept {
-  const double squared_m2 = v_W.squaredNorm();
-  return squared_m2 <= longest_m * longest_m ? v_W : Vec3(v_W * (longest_m / std::sqrt(squared_m2)));
 }
 
 // A gain for Newton steps. Where the sampled gradient and the interpolated density disagree (a wall of one voxel),
@@ -77,24 +74,11 @@ class Pace {
   return (normal_W * (1 - share) + to_p_W * (share / length_m)).normalized();
 }
 
-// The mean of the normals at p and at six points around it in the tangent plane. The points are wider apart the deeper
-// the press, as a tip that presses deep feels only wide bumps. Steeper places count for more. The six directions are
-// the lattice's axes projected onto the plane, so they turn continuously with the normal.
+// The mean normal of the patch around p.
 [[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W,
                                              double depth_m) noexcept {
-  const double h_m = field.voxel();
-  const double spread_m = std::clamp(SurfaceTracker::kSpread * depth_m, SurfaceTracker::kLeastSpread * h_m,
-                                     SurfaceTracker::kMostSpread * h_m);
-  Vec3 uphill_W = field.sampler().at(p_W).gradient_W;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 aside_W = tangential(field.sampler().faceNormal(axis, true), normal_W) * spread_m;
-    for (const Vec3& there_W : {Vec3(p_W + aside_W), Vec3(p_W - aside_W)}) {
-      const Vec3 gradient_W = field.sampler().at(there_W).gradient_W;
-      if (gradient_W.allFinite()) uphill_W += gradient_W;
-    }
-  }
-  const double length = uphill_W.norm();
-  return length > 0 && std::isfinite(length) ? Vec3(uphill_W / -length) : normal_W;
+  const SurfacePatch patch(field.sampler(), p_W, normal_W, SurfacePatch::spreadOf(depth_m / field.voxel()));
+  return patch.known() ? patch.normal() : normal_W;
 }
 
 // Judges whether the surface is rough at a point that was found. It may be: in a pit a point agrees with the line, too.
@@ -142,13 +126,13 @@ class SheetWalk {
         h_m_(field.voxel()),
         line_squared_m2_(limits.line_tolerance * limits.line_tolerance * h_m_ * h_m_),
         x_W_(x_W),
-        best_m_(SurfaceTracker::kUsable * h_m_),
         pace_(memory.pace),
         slide_times_(memory.slide),
         began_rough_(memory.rough),
         rough_(memory.rough) {
-    if (!(way_W.squaredNorm() > h_m_ * h_m_)) return;
-    const double voxels = std::ceil(way_W.norm() / h_m_) - 1;
+    const double squared = field.sampler().squaredVoxels(way_W);
+    if (!(squared > 1)) return;
+    const double voxels = std::ceil(std::sqrt(squared)) - 1;
     behind_ = voxels > SurfaceTracker::kMaxWay;
     voxels_left_ = rough_ && !behind_ ? static_cast<int>(voxels) : SurfaceTracker::kMaxWay;
   }
@@ -173,7 +157,7 @@ class SheetWalk {
     surface.normal_W = agreed_ || behind_ ? normal_W_ : turned(normal_W_, p_W_ - hip_W_, h_m_);
     memory.pace = pace_.share();
     memory.rough = rough_ || (!agreed_ && !behind_);
-    memory.short_of_way = !agreed_ && (slide_m_ == 0 || aside_squared_m2_ > h_m_ * h_m_);
+    memory.short_of_way = !agreed_ && (slide_m_ == 0 || isFar(aside_W_));
     memory.slide = memory.short_of_way
                        ? std::min(slide_times_ * SurfaceTracker::kSlideGrowth, limits_.slide_by_way)
                        : std::max(slide_times_ * SurfaceTracker::kSlideDecay, SurfaceTracker::kLeastSlide);
@@ -198,8 +182,9 @@ class SheetWalk {
     const double residual_m = excess / steepness;  // depth of x below the surface
     if (!std::isfinite(residual_m)) return Track::kLost;
     const double gained = gain_.update(residual_m);
-    climb_m_ = std::clamp(gained * residual_m, -h_m_, h_m_);
-    const bool whole_climb = std::abs(gained * residual_m) <= h_m_;
+    up_m_ = field_.sampler().voxelAlong(f.gradient_W);
+    climb_m_ = std::clamp(gained * residual_m, -up_m_, up_m_);
+    const bool whole_climb = std::abs(gained * residual_m) <= up_m_;
     climb_W_ = f.gradient_W * (whole_climb ? -gained * excess * per_squared : -climb_m_ / steepness);
     line_W_ = hip_W_ - x_W_;
     aside_W_ = line_W_ - f.gradient_W * (f.gradient_W.dot(line_W_) * per_squared);
@@ -220,7 +205,7 @@ class SheetWalk {
 
   // Keeps x if it is the nearest to the surface so far. True: it is on the surface, and its normal line meets the HIP.
   [[nodiscard]] bool keep() noexcept {
-    if (std::abs(climb_m_) > best_m_) return false;
+    if (std::abs(climb_m_) > std::min(best_m_, SurfaceTracker::kUsable * up_m_)) return false;
     p_W_ = x_W_ + climb_W_;
     normal_W_ = here_W_;
     const double close_m = SurfaceTracker::kDensityTolerance * h_m_;
@@ -239,14 +224,15 @@ class SheetWalk {
   // offset is never short, that goes on for as many voxels as the HIP moved. Otherwise it ends when the offset is below
   // a voxel or shrinks no more.
   [[nodiscard]] bool farAside() const noexcept {
-    return voxels_left_ > 0 && (rough_ || (aside_squared_m2_ > h_m_ * h_m_ && aside_squared_m2_ < nearest_squared_m2_));
+    return voxels_left_ > 0 && (rough_ || (aside_squared_m2_ < nearest_squared_m2_ && isFar(aside_W_)));
   }
+  [[nodiscard]] bool isFar(const Vec3& way_W) const noexcept { return field_.sampler().squaredVoxels(way_W) > 1; }
 
   [[nodiscard]] Vec3 onward() noexcept {
     --voxels_left_;
     if (voxels_left_ == 0 && !began_rough_) behind_ = true;
     nearest_squared_m2_ = aside_squared_m2_;
-    return shortened(rough_ ? tangential(line_W_, turned(here_W_, -line_W_, h_m_)) : aside_W_, h_m_);
+    return field_.cutToVoxel(rough_ ? tangential(line_W_, turned(here_W_, -line_W_, h_m_)) : aside_W_);
   }
 
   // Towards where the normal line meets the HIP.
@@ -260,7 +246,7 @@ class SheetWalk {
     if (aside_squared_m2_ > line_squared_m2_) pace_.see(aside_W_, aside_squared_m2_);
     const Vec3 wanted_W = aside_W_ * pace_.share();
     const double wanted_m = std::sqrt(aside_squared_m2_) * pace_.share();
-    const double longest_m = std::min(h_m_, slide_m_);
+    const double longest_m = std::min(field_.sampler().voxelAlong(aside_W_), slide_m_);
     pace_.cutShort(wanted_m > longest_m);
     slide_m_ -= std::min(wanted_m, longest_m);
     return wanted_m > longest_m ? Vec3(wanted_W * (longest_m / wanted_m)) : wanted_W;
@@ -276,13 +262,14 @@ class SheetWalk {
   Vec3 here_W_ = Vec3::Zero();   // normal
   Vec3 climb_W_ = Vec3::Zero();  // Newton step to the isovalue
   double climb_m_ = 0;
+  double up_m_ = 0;              // a voxel along the gradient
   Vec3 line_W_ = Vec3::Zero();   // to the HIP
   Vec3 aside_W_ = Vec3::Zero();  // the part of that line along the surface: the lateral offset
   double aside_squared_m2_ = 0;
   // The best so far:
   Vec3 p_W_ = Vec3::Zero();
   Vec3 normal_W_ = Vec3::Zero();
-  double best_m_;
+  double best_m_ = std::numeric_limits<double>::infinity();
   bool agreed_ = false;  // its normal line meets the HIP
   // Of the search:
   NewtonGain gain_;
@@ -310,7 +297,7 @@ Track SurfaceTracker::follow(const IsoField& field, const Vec3& hip_W, SurfacePo
 Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface,
                                        TrackMemory& memory, const Limits& limits) noexcept {
   const Vec3 way_W = tangential(hip_W - surface.p_W, surface.normal_W);
-  const Vec3 x_W = surface.p_W + shortened(way_W, field.voxel());
+  const Vec3 x_W = surface.p_W + field.cutToVoxel(way_W);
   const Fetch first = field.sampler().at(x_W);
   if (!memory.rough && foundAtOnce(field, hip_W, x_W, first, limits.line_tolerance, surface)) {
     memory.short_of_way = false;
@@ -333,21 +320,20 @@ Track SurfaceTracker::followIsosurface(const IsoField& field, const Vec3& hip_W,
   for (int casts = 0; casts < kMaxCasts; ++casts) {
     const Track again = cast(field, hip_W, surface, memory.rough);
     if (again == Track::kLost) return casts > 0 ? Track::kBehind : Track::kLost;
-    if (tangential(hip_W - surface.p_W, surface.normal_W).norm() <= field.voxel()) return again;
+    if (field.sampler().squaredVoxels(tangential(hip_W - surface.p_W, surface.normal_W)) <= 1) return again;
   }
   return Track::kBehind;
 }
 
 // Moves `surface` only if it finds the sheet. Keeps the old normal if the sampled one turns over or is zero.
 Track SurfaceTracker::cast(const IsoField& field, const Vec3& hip_W, SurfacePoint& surface, bool rough) noexcept {
-  const double h_m = field.voxel();
-  const Vec3 foot_W = surface.p_W + shortened(tangential(hip_W - surface.p_W, surface.normal_W), h_m);
-  const Vec3 reach_W = surface.normal_W * (kCastReach * h_m);
+  const Vec3 foot_W = surface.p_W + field.cutToVoxel(tangential(hip_W - surface.p_W, surface.normal_W));
+  const Vec3 reach_W = surface.normal_W * (kCastReach * field.sampler().voxelAlong(surface.normal_W));
   const auto entry = field.firstEntry(field.probe(foot_W + reach_W), field.probe(foot_W - reach_W));
   if (!entry || entry->face.any()) return Track::kLost;
   surface.p_W = entry->p_W;
   if (rough) {
-    surface.normal_W = turned(surface.normal_W, surface.p_W - hip_W, h_m);
+    surface.normal_W = turned(surface.normal_W, surface.p_W - hip_W, field.voxel());
     return Track::kFound;
   }
   const Vec3 out_W = -field.sampler().at(entry->p_W).gradient_W;

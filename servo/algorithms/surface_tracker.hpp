@@ -79,10 +79,7 @@ class SurfaceTracker {
   static constexpr double kRough = 0.25;
   static constexpr double kDeep = 1.5;
   static constexpr double kJudgedFor = 0.5;
-  // On a rough surface: the steps of a search, and the distance from the point to the other normals of the mean.
-  // kSpread is a share of the depth; its bounds are in voxels.
-  static constexpr int kRoughSteps = 4;
-  static constexpr double kSpread = 1.0 / 6, kLeastSpread = 1.5, kMostSpread = 4;
+  static constexpr int kRoughSteps = 4;  // of a search on a rough surface
   static constexpr double kLowestPace = 1.0 / 32, kHighestPace = 4;
   // TrackMemory::slide is multiplied by kSlideGrowth after a search that was short_of_way, else by kSlideDecay. It
   // begins at kLeastSlide and never falls below it.

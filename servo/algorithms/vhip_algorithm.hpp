@@ -29,7 +29,7 @@
 #include <utility>
 
 #include "servo/algorithms/algorithm.hpp"
-#include "servo/algorithms/edit_ease.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/contact/contact_effect.hpp"
 #include "servo/contact/energy_account.hpp"
 #include "servo/objects/object_contacts.hpp"
@@ -53,6 +53,7 @@ class VhipAlgorithm final : public Algorithm {
         stiffness_N_per_m_(parameters.stiffness_N_per_m),
         damping_Ns_per_m_(parameters.damping_Ns_per_m),
         effects_(std::move(effects)),
+        felt_(parameters.rate_hz),
         objects_(std::move(objects), isosurface),
         ease_(parameters.rate_hz) {}
 
@@ -172,6 +173,7 @@ class VhipAlgorithm final : public Algorithm {
 
   void release() noexcept {
     touching_ = false;
+    felt_.release();
     for (auto& effect : effects_) effect->release();
   }
 
@@ -188,13 +190,19 @@ class VhipAlgorithm final : public Algorithm {
       out.force_W = withoutPull(stiffness_N_per_m_ * depth_m - damping_N) * plane.normal_W;
       out.stored_J = 0.5 * stiffness_N_per_m_ * depth_m * depth_m;
     } else {
+      const bool on_volume = objects_.empty() || objects_.onVolume();
       const ContactState contact{.hip_W = in.hip_W,
                                  .hip_velocity_W = in.hip_velocity_W,
                                  .plane = plane,
                                  .new_contact = !touching_,
                                  .single_plane = objects_.empty() || objects_.singlePlane(),
-                                 .on_volume = objects_.empty() || objects_.onVolume(),
-                                 .window = in.window};
+                                 .on_volume = on_volume,
+                                 .felt = felt_.feel({.hip_W = in.hip_W,
+                                                     .plane = plane,
+                                                     .eased_m = edit_ != Edit::kSettled ? ease_.amount() : 0,
+                                                     .begins = !touching_,
+                                                     .on_volume = on_volume,
+                                                     .window = in.window})};
       ContactPush moved{.vhip_W = out.vhip_W, .energy_m2 = 0.5 * depth_m * depth_m};
       for (auto& effect : effects_) {
         effect->move(contact, moved);
@@ -223,6 +231,7 @@ class VhipAlgorithm final : public Algorithm {
   double stiffness_N_per_m_;
   double damping_Ns_per_m_;
   ContactEffects effects_;
+  FeltSurface felt_;       // that the effects see; used only where there are any
   EnergyAccount account_;  // bounds the energy that the effects give
   ObjectContacts objects_;
   std::optional<ContactPlane> volume_plane_;  // with objects: the plane of the last tick, in contact

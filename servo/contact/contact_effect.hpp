@@ -20,18 +20,9 @@
 
 #include "base/vec.hpp"
 #include "servo/contact/contact_plane.hpp"
-#include "servo/window/sample_window.hpp"
+#include "servo/contact/felt_surface.hpp"
 
 namespace palpate {
-
-// The longest motion of a tool in a tick. If two successive positions are farther apart, one of them is a wrong
-// reading, and sums over the motion start anew [m].
-inline constexpr double kLongestTickMotion_m = 0.1;
-
-// Whether a displacement can be the motion of a tick. False for NaN too.
-[[nodiscard]] inline bool isTickMotion(const Vec3& way_W) noexcept {
-  return way_W.cwiseAbs().maxCoeff() <= kLongestTickMotion_m && way_W.allFinite();
-}
 
 struct ContactState {
   Vec3 hip_W = Vec3::Zero();             // [m]
@@ -40,7 +31,7 @@ struct ContactState {
   bool new_contact = false;              // first tick of a contact
   bool single_plane = true;              // one plane alone holds the tool
   bool on_volume = true;                 // only the volume's isosurface holds it, no other object
-  const SampleWindow* window = nullptr;  // of this tick; never null, may be unusable
+  FeltPoint felt;                        // all that effects know of the surface under the tool
 };
 
 // The contact as the plane and the effects so far have made it.

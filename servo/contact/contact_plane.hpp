@@ -10,6 +10,15 @@
 
 namespace palpate {
 
+// The longest motion of a tool in a tick. If two successive positions are farther apart, one of them is a wrong
+// reading, and sums over the motion start anew [m].
+inline constexpr double kLongestTickMotion_m = 0.1;
+
+// Whether a displacement can be the motion of a tick. False for NaN too.
+[[nodiscard]] inline bool isTickMotion(const Vec3& way_W) noexcept {
+  return way_W.cwiseAbs().maxCoeff() <= kLongestTickMotion_m && way_W.allFinite();
+}
+
 struct ContactPlane {
   Vec3 p_W = Vec3::Zero();       // a point on the plane and on the surface [m]
   Vec3 normal_W = Vec3::Zero();  // unit, out of the object [-]

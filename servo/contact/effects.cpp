@@ -38,10 +38,10 @@ int recoveryTicks(double recovery_s, double rate_hz) {
   return static_cast<int>(std::max(1.0, std::round(recovery_s * rate_hz)));
 }
 
-std::unique_ptr<ContactEffect> makeTexture(const EffectParameters& p) {
+std::unique_ptr<ContactEffect> makeTexture(const EffectParameters& p, double rate_hz) {
   if (p.texture == TextureKind::kProcedural)
     return std::make_unique<ProceduralTexture>(p.texture_amplitude_m, p.texture_wavelength_m);
-  return std::make_unique<DensityTexture>(p.texture_amplitude_m, p.texture_gain);
+  return std::make_unique<DensityTexture>(p.texture_amplitude_m, p.texture_gain, rate_hz);
 }
 
 struct Contact {
@@ -66,15 +66,15 @@ constexpr EffectRow kEffects[] = {
        return std::make_unique<Recovery>(recoveryTicks(p.recovery_s, c.rate_hz));
      }},
     {"texture", [](const EffectParameters& p) { return p.texture != TextureKind::kNone; },
-     [](const EffectParameters& p, const Contact&) { return makeTexture(p); }},
+     [](const EffectParameters& p, const Contact& c) { return makeTexture(p, c.rate_hz); }},
     {"friction",
      [](const EffectParameters& p) { return p.friction.static_ratio > 0 || p.friction.viscous_Ns_per_m > 0; },
      [](const EffectParameters& p, const Contact& c) -> std::unique_ptr<ContactEffect> {
        return std::make_unique<Friction>(p.friction, c.stiffness_N_per_m, c.rate_hz);
      }},
     {"stiffness by density", [](const EffectParameters& p) { return !p.stiffness_by_density.empty(); },
-     [](const EffectParameters& p, const Contact&) -> std::unique_ptr<ContactEffect> {
-       return std::make_unique<StiffnessByDensity>(StiffnessTable(p.stiffness_by_density));
+     [](const EffectParameters& p, const Contact& c) -> std::unique_ptr<ContactEffect> {
+       return std::make_unique<StiffnessByDensity>(StiffnessTable(p.stiffness_by_density), c.rate_hz);
      }},
 };
 

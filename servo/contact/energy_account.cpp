@@ -52,7 +52,7 @@ Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push)
   // at most E plus the free part and what the plane gave.
   const double before_m2 = put_in_m2_ - 0.5 * last_d_W_.dot(way_W);
   const double wanted_m2 = energy_m2 + 0.5 * d_W.dot(way_W);
-  const double available_m2 = before_m2 + plane_given_m2 + kFree * largest_m2_;
+  const double available_m2 = before_m2 + plane_given_m2 + kFree * std::max(largest_m2_, energy_m2);
   const double strength = wanted_m2 > available_m2 ? std::max(0.0, available_m2) / std::max(wanted_m2, kTiny_m2) : 1;
   last_hip_W_ = contact.hip_W;
   last_d_W_ = strength * d_W;

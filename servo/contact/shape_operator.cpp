@@ -3,51 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace palpate {
-namespace {
-
-std::optional<Vec3> normalAt(const WindowSampler& sampler, const Vec3& p_W) noexcept {
-  const Fetch f = sampler.at(p_W);
-  const double steepness = f.gradient_W.norm();
-  if (f.place != Place::kInside || !(steepness > 0) || !std::isfinite(steepness)) return std::nullopt;
-  return Vec3(f.gradient_W / -steepness);
-}
-
-}  // namespace
-
 ShapeOperator::ShapeOperator(const Vec3& normal_W) noexcept {
   int least = 0;
   normal_W.cwiseAbs().minCoeff(&least);
-  setTangents(normal_W, Vec3::Unit(least));
-}
-
-// The tangents are taken from the lattice, so they turn with the volume.
-ShapeOperator::ShapeOperator(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W) noexcept
-    : ShapeOperator(normal_W) {
-  if (sampler.place(p_W) != Place::kInside) return;
-  int least = 0;
-  const auto along_axis = [&](int axis) { return std::abs(sampler.faceNormal(axis, true).dot(normal_W)); };
-  for (int axis = 1; axis < 3; ++axis) least = along_axis(axis) < along_axis(least) ? axis : least;
-  setTangents(normal_W, sampler.faceNormal(least, true));
-  Vec3 along[2];
-  for (int i = 0; i < 2; ++i) {
-    const Vec3& tangent_W = i == 0 ? u_W_ : v_W_;
-    const double step_m = 1 / (sampler.toIndex(p_W + tangent_W) - sampler.toIndex(p_W)).norm();
-    const auto ahead = normalAt(sampler, p_W + step_m * tangent_W);
-    const auto behind = normalAt(sampler, p_W - step_m * tangent_W);
-    if (!ahead || !behind) return;
-    along[i] = (*ahead - *behind) / (2 * step_m);
-  }
-  uu_ = u_W_.dot(along[0]);
-  vv_ = v_W_.dot(along[1]);
-  uv_ = 0.5 * (v_W_.dot(along[0]) + u_W_.dot(along[1]));
-}
-
-void ShapeOperator::setTangents(const Vec3& normal_W, const Vec3& other_W) noexcept {
-  u_W_ = normal_W.cross(other_W).normalized();
+  u_W_ = normal_W.cross(Vec3::Unit(least)).normalized();
   v_W_ = normal_W.cross(u_W_);
+}
+
+ShapeOperator::ShapeOperator(const Vec3& normal_W, const Mat3& S_W) noexcept : ShapeOperator(normal_W) {
+  const Vec3 along_u_W = S_W * u_W_;
+  uu_ = u_W_.dot(along_u_W);
+  uv_ = v_W_.dot(along_u_W);
+  vv_ = v_W_.dot(S_W * v_W_);
 }
 
 Vec3 ShapeOperator::apply(const Vec3& v_W) const noexcept {

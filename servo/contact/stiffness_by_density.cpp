@@ -1,40 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/contact/stiffness_by_density.hpp"
 
-#include "servo/contact/shape_operator.hpp"
-
 namespace palpate {
 
 void StiffnessByDensity::move(const ContactState& contact, ContactPush& push) noexcept {
   if (contact.new_contact) factor_ = 1;
   if (!contact.on_volume) return;
   Vec3 slope_W = Vec3::Zero();
-  if (contact.window->usable() && contact.hip_W.allFinite()) slope_W = slopeAtHip(contact);
-  push.vhip_W = contact.hip_W + factor_ * (push.vhip_W - contact.hip_W) - push.energy_m2 * slope_W;
-  push.energy_m2 *= factor_;
+  const FeltPoint& felt = contact.felt;
+  if (felt.window != nullptr && felt.now_W.allFinite()) slope_W = slopeAtHip(felt);
+  const double depth_m = contact.plane.depth(contact.hip_W);
+  const Vec3 effects_W = push.vhip_W - contact.hip_W - depth_m * contact.plane.normal_W;
+  const double energy_m2 = push.energy_m2 + 0.5 * (felt.depth_m * felt.depth_m - depth_m * depth_m);
+  push.vhip_W += (factor_ - 1) * (felt.depth_m * felt.normal_W + effects_W) - energy_m2 * slope_W;
+  push.energy_m2 += (factor_ - 1) * energy_m2;
   push.stiffness *= factor_;
 }
 
 // The density is read at a = p - b(N) N, with b = below_m. As p moves, so do N and b: da = dp - (b + N grad_N b) dN, dN
 // = S dp.
-Vec3 StiffnessByDensity::slopeAtHip(const ContactState& contact) noexcept {
-  const Lattice& lattice = contact.window->lattice;
-  const Vec3& normal_W = contact.plane.normal_W;
-  const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
+Vec3 StiffnessByDensity::slopeAtHip(const FeltPoint& felt) noexcept {
+  const Lattice& lattice = felt.window->lattice;
+  const Vec3& normal_W = felt.normal_W;
   const double below_m = kBelow * voxelAcross(lattice, normal_W);
-  const LatticeSpline::At at =
-      field_.at(*contact.window, surface_W - below_m * normal_W, [this](const SampleWindow& window, const Vec3i& i) {
-        return table_.factor(static_cast<double>(sampleAt(window, i).density));
-      });
+  const LatticeSpline::At at = field_.at(felt, below_m, [this](const SampleWindow& window, const Vec3i& i) {
+    return table_.factor(static_cast<double>(sampleAt(window, i).density));
+  });
   factor_ = at.value;
   if (at.gradient_W.isZero(0)) return Vec3::Zero();
   const Vec3 sides2_W =
       lattice.R_WL * (lattice.R_WL.transpose() * normal_W).cwiseProduct(lattice.spacing_m.cwiseAbs2());
   const Vec3 below_by_normal_W = sides2_W * (kBelow * kBelow / below_m);  // grad_N b
-  const ShapeOperator shape(window_.of(*contact.window), surface_W, normal_W);
   const Vec3 along_W =
-      at.gradient_W - shape.apply(below_m * at.gradient_W + below_by_normal_W * normal_W.dot(at.gradient_W));
-  return shape.slopeAtHip(along_W, contact.plane.depth(contact.hip_W));
+      at.gradient_W - felt.shape.apply(below_m * at.gradient_W + below_by_normal_W * normal_W.dot(at.gradient_W));
+  return felt.shape.slopeAtHip(along_W, felt.depth_m);
 }
 
 }  // namespace palpate

@@ -3,7 +3,7 @@
 // cartilage.
 //
 // On the isosurface the density is the isovalue everywhere. So the density is read kBelow voxels under the surface
-// point nearest to the HIP, along the plane's normal. That is beyond the blur of a border between two materials, which
+// point under the tool, along the felt normal. That is beyond the blur of a border between two materials, which
 // is as wide as a voxel in that direction (0.5 mm within a slice, 3 mm from slice to slice).
 // The energy U that earlier effects stored becomes f U. So d becomes f d. Where f changes along the surface there is a
 // further part, -U grad f, towards the softer material. On a bare plane its force is K / 2 D^2 |grad f|, that is D
@@ -13,14 +13,13 @@
 // wide in space, and the force is continuous. The damping B stays as it is. Without a window the last factor of the
 // contact holds; a contact begins with 1.
 // Source: stiffness from density as in Avila and Sobierajski (1996), here on the virtual plane, and from a potential.
-// Frame W: world [m]. Thread: move() and release() the servo's. Cost: 4 fetches and a smooth field of 27 factors, some
-// 270 ns.
+// Frame W: world [m]. Thread: move() and release() the servo's. Cost: a smooth field of 27 factors, some
+// 100 ns.
 #pragma once
 
 #include "servo/contact/contact_effect.hpp"
-#include "servo/contact/lattice_spline.hpp"
+#include "servo/contact/felt_field.hpp"
 #include "servo/contact/stiffness_table.hpp"
-#include "servo/contact/window_cache.hpp"
 
 namespace palpate {
 
@@ -30,21 +29,19 @@ class StiffnessByDensity final : public ContactEffect {
   // either side.
   static constexpr double kBelow = 2.5;
 
-  explicit StiffnessByDensity(StiffnessTable table) : table_(std::move(table)) {}
+  StiffnessByDensity(StiffnessTable table, double rate_hz) : table_(std::move(table)), field_(rate_hz) {}
 
   void release() noexcept override {
     factor_ = 1;
-    window_.forget();
-    field_.forget();
+    field_.release();
   }
   void move(const ContactState& contact, ContactPush& push) noexcept override;
 
  private:
-  [[nodiscard]] Vec3 slopeAtHip(const ContactState& contact) noexcept;
+  [[nodiscard]] Vec3 slopeAtHip(const FeltPoint& felt) noexcept;
 
   StiffnessTable table_;
-  WindowCache window_;
-  LatticeSpline field_;  // of factors
+  FeltField field_;  // of factors
   double factor_ = 1;    // [-]
 };
 

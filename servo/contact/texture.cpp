@@ -8,16 +8,16 @@
 namespace palpate {
 namespace {
 
-void raise(const ContactState& contact, const LatticeSpline::At& height, double amplitude_m, const ShapeOperator& shape,
+void raise(const ContactState& contact, const LatticeSpline::At& height, double amplitude_m,
            ContactPush& push) noexcept {
-  const Vec3& normal_W = contact.plane.normal_W;
-  const double depth_m = normal_W.dot(push.vhip_W - contact.hip_W);
+  const Vec3& normal_W = contact.felt.normal_W;
+  const double depth_m = contact.felt.depth_m;
   if (!(depth_m > 0)) return;
   const double u = std::min(1.0, depth_m / (2 * amplitude_m));
   const double share = u * (2 - u);
   const double share_per_m = (1 - u) / amplitude_m;
   const double raised_m = depth_m + height.value * share;
-  const Vec3 slope_W = shape.slopeAtHip(height.gradient_W, contact.plane.depth(contact.hip_W));
+  const Vec3 slope_W = contact.felt.shape.slopeAtHip(height.gradient_W, depth_m);
   push.vhip_W += normal_W * (raised_m * (1 + height.value * share_per_m) - depth_m) - raised_m * share * slope_W;
   push.energy_m2 += 0.5 * (raised_m * raised_m - depth_m * depth_m);
 }
@@ -49,11 +49,7 @@ LatticeSpline::At ProceduralTexture::at(const Vec3& p_W) const noexcept {
 
 void ProceduralTexture::move(const ContactState& contact, ContactPush& push) noexcept {
   if (!(amplitude_m_ > 0)) return;
-  const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
-  const Vec3& normal_W = contact.plane.normal_W;
-  const ShapeOperator shape =
-      contact.on_volume ? ShapeOperator(window_.of(*contact.window), surface_W, normal_W) : ShapeOperator(normal_W);
-  raise(contact, at(surface_W), amplitude_m_, shape, push);
+  raise(contact, at(contact.felt.p_W), amplitude_m_, push);
 }
 
 // ---- density ----
@@ -89,13 +85,11 @@ struct Departure {
 }  // namespace
 
 void DensityTexture::move(const ContactState& contact, ContactPush& push) noexcept {
-  if (!contact.on_volume || !contact.window->usable() || !contact.hip_W.allFinite()) return;
-  const double amplitude_m = std::min(amplitude_m_, kWidest * contact.window->lattice.smallestSpacing());
+  const FeltPoint& felt = contact.felt;
+  if (felt.window == nullptr || !felt.now_W.allFinite()) return;
+  const double amplitude_m = std::min(amplitude_m_, kWidest * felt.window->lattice.smallestSpacing());
   if (!(amplitude_m > 0)) return;
-  const Vec3 surface_W = contact.plane.nearest(contact.hip_W);
-  const LatticeSpline::At height = field_.at(*contact.window, surface_W, Departure{gain_, amplitude_m});
-  raise(contact, height, amplitude_m, ShapeOperator(window_.of(*contact.window), surface_W, contact.plane.normal_W),
-        push);
+  raise(contact, field_.at(felt, 0, Departure{gain_, amplitude_m}), amplitude_m, push);
 }
 
 }  // namespace palpate

@@ -14,6 +14,7 @@ WindowSampler::WindowSampler(const SampleWindow& window) noexcept
       slice_(static_cast<std::ptrdiff_t>(window.size.x()) * window.size.y()),
       samples_(window.samples),
       smallest_spacing_m_(window.lattice.smallestSpacing()),
+      cubic_((window.lattice.spacing_m.array() == smallest_spacing_m_).all()),
       window_(&window) {
   if (!window.usable()) return;
   last_L_ = (window.size - Vec3i::Ones()).cast<double>();

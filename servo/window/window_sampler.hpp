@@ -12,6 +12,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -39,6 +40,18 @@ class WindowSampler {
   }
   [[nodiscard]] const Vec3& lastIndex() const noexcept { return last_L_; }               // size - 1 [voxel]
   [[nodiscard]] double smallestSpacing() const noexcept { return smallest_spacing_m_; }  // [m]
+
+  // How many voxels a way passes: its length in the lattice [voxel]. The square saves the root where it is compared.
+  [[nodiscard]] double squaredVoxels(const Vec3& way_W) const noexcept {
+    if (cubic_) return way_W.squaredNorm() / (smallest_spacing_m_ * smallest_spacing_m_);
+    return (A_LW_ * way_W).squaredNorm();
+  }
+  // The length of a voxel along a way: 0.4 mm within a slice, 5 mm from slice to slice [m]. Of no way: the smallest side.
+  [[nodiscard]] double voxelAlong(const Vec3& way_W) const noexcept {
+    if (cubic_) return smallest_spacing_m_;
+    const double squared = squaredVoxels(way_W);
+    return squared > 0 ? std::sqrt(way_W.squaredNorm() / squared) : smallest_spacing_m_;
+  }
 
   [[nodiscard]] Place place(const Vec3& p_W) const noexcept { return placeOf(toIndex(p_W)); }
 
@@ -129,6 +142,7 @@ class WindowSampler {
   std::ptrdiff_t row_ = 0, slice_ = 0;  // [sample]
   const Sample* samples_ = nullptr;
   double smallest_spacing_m_ = 1;
+  bool cubic_ = true;  // all sides of a voxel are equal
   const SampleWindow* window_ = nullptr;
 };
 

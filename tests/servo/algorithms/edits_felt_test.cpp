@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "servo/algorithms/edit_ease.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/devices/hand_dynamics.hpp"
 #include "servo/objects/shapes.hpp"
 #include "support/algorithm_driver.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/algorithms/edit_ease.hpp: takes in what an edit adds to a contact evenly over kTime_s, not at once.
+// servo/contact/edit_ease.hpp: takes in what an edit adds to a contact evenly over kTime_s, not at once.
 //
 // The whole is the quantity that pushes: the depth behind a plane [m], or a force [N]. What is shown is the whole less
 // an amount. What an edit adds goes into the amount, so the shown quantity goes on as it was. For a free tool it begins
