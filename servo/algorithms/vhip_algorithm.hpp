@@ -46,6 +46,8 @@ class VhipAlgorithm final : public Algorithm {
   static constexpr double kSamePlane = 0.02;
   static constexpr double kTightest = 4;
   static constexpr double kLongestAside = 1;  // largest w that is assumed, however old the plane [voxel]
+  static constexpr double kSharpest = 0.1;    // sine of the sharpest groove that is reckoned with
+  static constexpr double kCatchUp = 100;     // of a VHIP whose groove has moved [voxel/s]
 
   explicit VhipAlgorithm(const AlgorithmParameters& parameters, ContactEffects effects = {},
                          ContactObjects objects = {}, const ContactObject* isosurface = nullptr)
@@ -53,7 +55,9 @@ class VhipAlgorithm final : public Algorithm {
         stiffness_N_per_m_(parameters.stiffness_N_per_m),
         damping_Ns_per_m_(parameters.damping_Ns_per_m),
         effects_(std::move(effects)),
-        felt_(parameters.rate_hz),
+        felt_(parameters.isovalue, parameters.rate_hz),
+        met_(parameters.isovalue, parameters.rate_hz),
+        slack_voxels_(kCatchUp / parameters.rate_hz),
         objects_(std::move(objects), isosurface),
         ease_(parameters.rate_hz) {}
 
@@ -154,10 +158,31 @@ class VhipAlgorithm final : public Algorithm {
   // The plane of volume and objects together.
   [[nodiscard]] std::optional<ContactPlane> findWithObjects(const TickInput& in, std::uint32_t& faults) noexcept {
     const auto held = [this] { return volume_plane_ ? &*volume_plane_ : nullptr; };
-    const Vec3 tool_W = objects_.volumeTool(in.hip_W, held());
+    const ContactPlane found = shown();
+    const Vec3 tool_W = objects_.volumeTool(in.hip_W, held(), &found);
     volume_plane_.reset();
-    if (find(*in.window, tool_W, faults)) volume_plane_ = shown();
-    return objects_.settle(in.hip_W, held());
+    if (find(*in.window, tool_W, faults)) volume_plane_ = met(*in.window, tool_W);
+    return objects_.settle(in.hip_W, held(), slack_voxels_ * in.window->lattice.smallestSpacing());
+  }
+
+  // The volume's plane where it meets objects. In a groove of the angle a, an error of the plane moves the VHIP by 1 /
+  // sin(a) of it. So the plane is that of the felt surface there.
+  [[nodiscard]] ContactPlane met(const SampleWindow& window, const Vec3& tool_W) noexcept {
+    const ContactPlane plane = shown();
+    const double sine = objects_.sharpest(plane.normal_W);
+    if (!(sine < 1)) {
+      met_.release();
+      meets_ = false;
+      return plane;
+    }
+    const FeltPoint& felt = met_.feel({.hip_W = tool_W,
+                                       .plane = plane,
+                                       .eased_m = edit_ != Edit::kSettled ? ease_.amount() : 0,
+                                       .begins = !meets_,
+                                       .sharpness = 1 / std::max(sine, kSharpest),
+                                       .window = &window});
+    meets_ = true;
+    return {felt.p_W, felt.normal_W, plane.age_ticks};
   }
 
   void giveNoForce(const TickInput& in, TickOutput& out) noexcept {
@@ -232,6 +257,9 @@ class VhipAlgorithm final : public Algorithm {
   double damping_Ns_per_m_;
   ContactEffects effects_;
   FeltSurface felt_;       // that the effects see; used only where there are any
+  FeltSurface met_;        // that objects meet
+  bool meets_ = false;     // one did in the last tick
+  double slack_voxels_;    // of the VHIP in a groove, a tick
   EnergyAccount account_;  // bounds the energy that the effects give
   ObjectContacts objects_;
   std::optional<ContactPlane> volume_plane_;  // with objects: the plane of the last tick, in contact

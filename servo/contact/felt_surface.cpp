@@ -9,6 +9,7 @@
 namespace palpate {
 namespace {
 
+constexpr double kMeanPoint = 3;   // times the roughness: share of the mean of the points in the depth [-]
 constexpr double kRougher = 0.5;  // share by which the roughness follows over a voxel [-]
 
 // The part along the normal taken out on both sides.
@@ -19,8 +20,8 @@ Mat3 tangentialPart(const Mat3& S_W, const Vec3& normal_W) noexcept {
 
 }  // namespace
 
-FeltSurface::FeltSurface(double rate_hz) noexcept
-    : rest_voxels_(kRest / rate_hz), ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
+FeltSurface::FeltSurface(double isovalue, double rate_hz) noexcept
+    : isovalue_(isovalue), rest_voxels_(kRest / rate_hz), ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
 
 void FeltSurface::release() noexcept {
   known_ = false;
@@ -67,13 +68,16 @@ void FeltSurface::measure(const Contact& contact, const Vec3& way_W) noexcept {
                            spread + felt_.roughness * (SurfacePatch::kMostSpread - spread));
   Vec3 normal_W = plane_W;
   Mat3 S_W = form_.S_W;
+  double offset_m = 0;
   lever_ *= std::max(0.0, 1 - way_voxels / kForget);
   if (sampler.place(foot_W) == Place::kInside && patch.known() && patch.normal().dot(plane_W) > 0) {
-    const SurfacePatch::Curvature curvature = patch.curvature();
+    const SurfacePatch::Curvature curvature = patch.curvature(isovalue_);
     normal_W = patch.normal();
     S_W = curvature.S_W;
     felt_.patch_W = patch.ways();
-    lever_ = std::max(lever_, whole_m * curvature.unevenness / sampler.smallestSpacing());
+    offset_m = curvature.offset_m;
+    const double levers = whole_m / sampler.smallestSpacing() + (contact.sharpness > 1 ? 2 : 0);
+    lever_ = std::max(lever_, contact.sharpness * levers * curvature.unevenness);
   }
   const double length = std::min(kSmoothed * lever_, kLongest);
   felt_.roughness += kRougher * std::min(1.0, way_voxels) * (length / kLongest - felt_.roughness);
@@ -87,7 +91,7 @@ void FeltSurface::measure(const Contact& contact, const Vec3& way_W) noexcept {
   const Mat3 bend_W = slow * (S_W - form_.S_W);
   form_.normal_W = (form_.normal_W + turn_W).normalized();
   form_.S_W = tangentialPart(form_.S_W + bend_W, form_.normal_W);
-  depth_m_ += share * (depth_m - depth_m_);
+  depth_m_ += share * (depth_m + std::min(1.0, kMeanPoint * felt_.roughness) * offset_m - depth_m_);
   if (felt_.edited) {
     ahead_.normal_W += turn_W;
     ahead_.S_W += bend_W;

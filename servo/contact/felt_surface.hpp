@@ -45,7 +45,7 @@ class FeltSurface {
   static constexpr double kForget = 8;    // way over which an uneven place is remembered [voxel]
   static constexpr double kSteepest = 1;  // largest move of the surface point along the plane, as a share of the depth [-]
 
-  explicit FeltSurface(double rate_hz) noexcept;
+  FeltSurface(double isovalue, double rate_hz) noexcept;
 
   struct Contact {
     Vec3 hip_W = Vec3::Zero();             // [m]
@@ -53,6 +53,7 @@ class FeltSurface {
     double eased_m = 0;                    // how far the volume's surface lies in front of it, along its normal [m]
     bool begins = false;                   // first tick of a contact
     bool on_volume = true;                 // the volume's isosurface alone holds the tool
+    double sharpness = 1;                  // how many times over errors of the surface count: in a groove [-]
     const SampleWindow* window = nullptr;  // never null, may be unusable
   };
   // Once per tick in contact.
@@ -70,6 +71,7 @@ class FeltSurface {
   void measure(const Contact& contact, const Vec3& way_W) noexcept;
   void tell(const Contact& contact) noexcept;
 
+  double isovalue_;
   double rest_voxels_;  // a tick
   double ease_ticks_;
   WindowCache window_;

@@ -21,24 +21,27 @@ Eigen::Matrix2d solveSymmetric(const Eigen::Matrix2d& A, const Eigen::Matrix2d& 
 
 SurfacePatch::SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W,
                            double spread_voxels) noexcept {
-  gradients_W_[0] = sampler.at(p_W).gradient_W;
-  Vec3 uphill_W = gradients_W_[0];
+  const Fetch middle = sampler.at(p_W);
+  gradients_W_[0] = middle.gradient_W;
+  densities_[0] = middle.density;
+  Vec3 uphill_W = middle.gradient_W;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vec3 axis_W = sampler.faceNormal(static_cast<int>(axis), true);
     const Vec3 along_W = axis_W - normal_W * normal_W.dot(axis_W);
     aside_W_[axis] = along_W * (spread_voxels * sampler.voxelAlong(along_W));
     for (const int way : {1, -1}) {
-      Vec3& there_W = gradients_W_[2 * axis + (way > 0 ? 1 : 2)];
-      there_W = sampler.at(p_W + way * aside_W_[axis]).gradient_W;
-      if (!there_W.allFinite()) there_W.setZero();
-      uphill_W += there_W;
+      const std::size_t i = 2 * axis + (way > 0 ? 1 : 2);
+      const Fetch there = sampler.at(p_W + way * aside_W_[axis]);
+      gradients_W_[i] = there.gradient_W.allFinite() ? there.gradient_W : Vec3::Zero();
+      densities_[i] = there.density;
+      uphill_W += gradients_W_[i];
     }
   }
   const double length = uphill_W.norm();
   if (length > 0 && std::isfinite(length)) normal_W_ = uphill_W / -length;
 }
 
-SurfacePatch::Curvature SurfacePatch::curvature() const noexcept {
+SurfacePatch::Curvature SurfacePatch::curvature(double isovalue) const noexcept {
   Tangents tangents;
   int least = 0;
   normal_W_.cwiseAbs().minCoeff(&least);
@@ -68,7 +71,18 @@ SurfacePatch::Curvature SurfacePatch::curvature() const noexcept {
   Curvature result;
   if (!(A.determinant() > 1e-6 * A.trace() * A.trace())) return result;
   const Eigen::Matrix2d S = solveSymmetric(A, C);
-  double squares = 0, weights = 0;
+  double squares = 0, weights = 0, offsets_m = 0;
+  int places = 0;
+  const double farthest_m = aside_W_[0].norm() + aside_W_[1].norm() + aside_W_[2].norm();
+  for (std::size_t i = 0; i < 7; ++i) {
+    const double steepness = -gradients_W_[i].dot(normal_W_);
+    const double offset_m = (densities_[i] - isovalue) / steepness;
+    if (!(steepness > 0) || !(std::abs(offset_m) <= farthest_m)) continue;
+    const Eigen::Vector2d way_m = i == 0 ? Eigen::Vector2d::Zero() : Eigen::Vector2d(tangents.transpose() * aside_W_[(i - 1) / 2]);
+    offsets_m += offset_m + 0.5 * way_m.dot(S * way_m);
+    ++places;
+  }
+  if (places > 0) result.offset_m = offsets_m / places;
   for (std::size_t i = 0; i < count; ++i) {
     squares += pairs[i].weight * ((pairs[i].turn - S * pairs[i].way_m).squaredNorm() + pairs[i].mean.squaredNorm());
     weights += pairs[i].weight;

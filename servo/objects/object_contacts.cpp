@@ -35,8 +35,14 @@ bool ObjectContacts::onVolume() const noexcept {
                      [&](const ContactObject* owner) { return owner == nullptr || owner == isosurface_; });
 }
 
+double ObjectContacts::sharpest(const Vec3& normal_W) const noexcept {
+  double sine = 1;
+  for (const ContactPlane& plane : trial_.planes.ofObjects()) sine = std::min(sine, normal_W.cross(plane.normal_W).norm());
+  return sine;
+}
+
 void ObjectContacts::reset(const Vec3& hip_W) noexcept {
-  vhip_W_ = hip_W;
+  vhip_W_ = last_hip_W_ = hip_W;
   trial_ = {};
   trial_.vhip_W = hip_W;
 }
@@ -108,21 +114,35 @@ void ObjectContacts::runTrial(const Vec3& hip_W, const ContactPlane* volume) noe
   }
 }
 
-Vec3 ObjectContacts::volumeTool(const Vec3& hip_W, const ContactPlane* volume) noexcept {
+Vec3 ObjectContacts::volumeTool(const Vec3& hip_W, const ContactPlane* volume, const ContactPlane* found) noexcept {
   runTrial(hip_W, volume);
   if (trial_.objects == 0) return hip_W;
   if (volume == nullptr) return trial_.vhip_W;
   const double depth_m = volume->depth(closestInPlanes(trial_.planes.ofObjects(), hip_W));
   if (!(depth_m > 0)) return trial_.vhip_W;
-  return volume->nearest(trial_.vhip_W) - depth_m * volume->normal_W;
+  if (found == nullptr) found = volume;
+  return found->nearest(trial_.vhip_W) - depth_m * found->normal_W;
 }
 
-std::optional<ContactPlane> ObjectContacts::settle(const Vec3& hip_W, const ContactPlane* volume) noexcept {
+// On the straight line from the VHIP as far as it is free, and no farther than that.
+Vec3 ObjectContacts::towards(const Vec3& goal_W, double longest_m) const noexcept {
+  const Vec3 way_W = goal_W - vhip_W_;
+  const double way_m = way_W.norm();
+  if (!(way_m > longest_m)) return goal_W;
+  const Vec3 to_W = vhip_W_ + way_W * (longest_m / way_m);
+  const Sweep met = firstEntry(vhip_W_, to_W);
+  return met.object == nullptr ? to_W : Vec3(vhip_W_ + way_W * (std::max(0.0, met.way_m - kStandOff_m) / way_m));
+}
+
+std::optional<ContactPlane> ObjectContacts::settle(const Vec3& hip_W, const ContactPlane* volume,
+                                                   double slack_m) noexcept {
   const bool same =
       (volume != nullptr) == trial_.has_volume &&
       (volume == nullptr || (volume->p_W == trial_.volume.p_W && volume->normal_W == trial_.volume.normal_W));
   if (!same) runTrial(hip_W, volume);
-  vhip_W_ = trial_.vhip_W;
+  const bool groove = volume != nullptr && trial_.objects > 0;
+  vhip_W_ = groove ? towards(trial_.vhip_W, (hip_W - last_hip_W_).norm() + slack_m) : trial_.vhip_W;
+  last_hip_W_ = hip_W;
   if (trial_.objects == 0) return volume != nullptr ? std::optional(*volume) : std::nullopt;
   const Vec3 push_W = vhip_W_ - hip_W;
   const double push_m = push_W.norm();

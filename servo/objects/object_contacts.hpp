@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -51,20 +52,27 @@ class ObjectContacts {
   // Puts the VHIP at the HIP. A tool that starts inside an object feels nothing of it until it has been outside once.
   void reset(const Vec3& hip_W) noexcept;
 
-  // The tool position for which the volume has to find its plane. `volume`: its plane of the last tick; null without
-  // contact.
-  [[nodiscard]] Vec3 volumeTool(const Vec3& hip_W, const ContactPlane* volume) noexcept;
+  // The tool position for which the volume has to find its plane. `volume`: the plane that objects met in the last tick;
+  // null without contact. `found`: the plane that the volume itself had found; null: the same.
+  [[nodiscard]] Vec3 volumeTool(const Vec3& hip_W, const ContactPlane* volume,
+                                const ContactPlane* found = nullptr) noexcept;
 
   // Moves the VHIP. Gives one plane for all contacts together: through the VHIP, with the normal from the HIP to the
   // VHIP and the age of the volume's plane. If the volume alone is touched, it is `volume`; without contact there is
   // none. Call it once after each volumeTool(), with the same HIP.
-  [[nodiscard]] std::optional<ContactPlane> settle(const Vec3& hip_W, const ContactPlane* volume) noexcept;
+  // In a groove between volume and objects the VHIP moves by at most the HIP's way and `slack_m`: there a small turn of
+  // the volume's plane moves the place where they meet far.
+  [[nodiscard]] std::optional<ContactPlane> settle(
+      const Vec3& hip_W, const ContactPlane* volume,
+      double slack_m = std::numeric_limits<double>::infinity()) noexcept;
 
   [[nodiscard]] const Vec3& vhip_W() const noexcept { return vhip_W_; }
   // About the last settle(). singlePlane(): the VHIP met just one plane. onVolume(): it met no object other than the
   // volume's own surface.
   [[nodiscard]] bool singlePlane() const noexcept { return trial_.planes.count == 1; }
   [[nodiscard]] bool onVolume() const noexcept;
+  // The sine of the sharpest groove between a plane and those of objects that the VHIP met last; 1 without these.
+  [[nodiscard]] double sharpest(const Vec3& normal_W) const noexcept;
   // How many planes of objects the VHIP met in the last tick.
   [[nodiscard]] int objectPlanes() const noexcept { return trial_.objects; }
 
@@ -98,10 +106,12 @@ class ObjectContacts {
   [[nodiscard]] Vec3 slide(const Vec3& from_W, const Vec3& hip_W, Planes& planes) const noexcept;
   [[nodiscard]] Vec3 goalOf(Planes& planes, const Vec3& hip_W) const noexcept;
   [[nodiscard]] Sweep firstEntry(const Vec3& from_W, const Vec3& to_W) const noexcept;
+  [[nodiscard]] Vec3 towards(const Vec3& goal_W, double longest_m) const noexcept;
 
   ContactObjects objects_;
   const ContactObject* isosurface_;
   Vec3 vhip_W_ = Vec3::Zero();
+  Vec3 last_hip_W_ = Vec3::Zero();  // of the last settle()
   Trial trial_;  // of this tick; after volumeTool() with the volume's plane of the last tick
 };
 
