@@ -195,6 +195,10 @@ void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) no
   if (hip.side == Side::kInside) {  // both inside
     const auto way_out = field_->firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
     if (way_out && touch(*way_out, hip, faults)) return;
+    // Over an edge the normal may turn by more than a right angle. The nearest way out may be taken, but not the one
+    // that leads through the object.
+    const auto aside = field_->nearestExit(hip);
+    if (aside && surface_.normal_W.dot(-aside->direction_W) > kMostBackward && touch(*aside, hip, faults)) return;
   }
   release(hip);
   if (hip.side == Side::kInside || (gone && hip.side == Side::kUnknown)) {

@@ -9,6 +9,7 @@
 namespace palpate {
 namespace {
 
+constexpr double kPointLevers = 2;  // in a groove: the point errs by as much as an angle over so many voxels
 constexpr double kMeanPoint = 3;   // times the roughness: share of the mean of the points in the depth [-]
 constexpr double kRougher = 0.5;  // share by which the roughness follows over a voxel [-]
 
@@ -63,21 +64,23 @@ void FeltSurface::measure(const Contact& contact, const Vec3& way_W) noexcept {
     if (aside_m > kSteepest * whole_m) aside_W *= kSteepest * whole_m / aside_m;
   }
   const Vec3 foot_W = contact.plane.nearest(contact.hip_W) + contact.eased_m * plane_W + aside_W;
-  const double spread = SurfacePatch::spreadOf(whole_m / sampler.smallestSpacing());
-  const SurfacePatch patch(sampler, foot_W, form_.normal_W,
-                           spread + felt_.roughness * (SurfacePatch::kMostSpread - spread));
   Vec3 normal_W = plane_W;
   Mat3 S_W = form_.S_W;
   double offset_m = 0;
   lever_ *= std::max(0.0, 1 - way_voxels / kForget);
-  if (sampler.place(foot_W) == Place::kInside && patch.known() && patch.normal().dot(plane_W) > 0) {
-    const SurfacePatch::Curvature curvature = patch.curvature(isovalue_);
-    normal_W = patch.normal();
-    S_W = curvature.S_W;
-    felt_.patch_W = patch.ways();
-    offset_m = curvature.offset_m;
-    const double levers = whole_m / sampler.smallestSpacing() + (contact.sharpness > 1 ? 2 : 0);
-    lever_ = std::max(lever_, contact.sharpness * levers * curvature.unevenness);
+  if (sampler.place(foot_W) == Place::kInside) {
+    const double spread = SurfacePatch::spreadOf(whole_m / sampler.smallestSpacing());
+    const SurfacePatch patch(sampler, foot_W, form_.normal_W,
+                             spread + felt_.roughness * (SurfacePatch::kMostSpread - spread));
+    if (patch.known() && patch.normal().dot(plane_W) > 0) {
+      const SurfacePatch::Curvature curvature = patch.curvature();
+      normal_W = patch.normal();
+      S_W = curvature.S_W;
+      offset_m = patch.offset(isovalue_, trust_ * form_.S_W);
+      felt_.patch_W = patch.ways();
+      const double levers = whole_m / sampler.smallestSpacing() + (contact.sharpness > 1 ? kPointLevers : 0);
+      lever_ = std::max(lever_, contact.sharpness * levers * curvature.unevenness);
+    }
   }
   const double length = std::min(kSmoothed * lever_, kLongest);
   felt_.roughness += kRougher * std::min(1.0, way_voxels) * (length / kLongest - felt_.roughness);
@@ -124,7 +127,7 @@ const FeltPoint& FeltSurface::feel(const Contact& contact) noexcept {
     begin(contact);
     edit_version_ = contact.window->edit_version;
     felt_.edited = false;
-    if (contact.on_volume && contact.window->usable()) measure(contact, Vec3::Zero());
+    if (contact.on_volume) measure(contact, Vec3::Zero());
     tell(contact);
     known_ = contact.on_volume;
     return felt_;
@@ -133,7 +136,7 @@ const FeltPoint& FeltSurface::feel(const Contact& contact) noexcept {
   felt_.edited = usable && contact.window->edit_version != edit_version_;
   if (usable) edit_version_ = contact.window->edit_version;
   predict(way_W);
-  if (usable) measure(contact, way_W);
+  measure(contact, way_W);
   tell(contact);
   return felt_;
 }

@@ -41,7 +41,7 @@ SurfacePatch::SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const 
   if (length > 0 && std::isfinite(length)) normal_W_ = uphill_W / -length;
 }
 
-SurfacePatch::Curvature SurfacePatch::curvature(double isovalue) const noexcept {
+SurfacePatch::Curvature SurfacePatch::curvature() const noexcept {
   Tangents tangents;
   int least = 0;
   normal_W_.cwiseAbs().minCoeff(&least);
@@ -71,18 +71,7 @@ SurfacePatch::Curvature SurfacePatch::curvature(double isovalue) const noexcept 
   Curvature result;
   if (!(A.determinant() > 1e-6 * A.trace() * A.trace())) return result;
   const Eigen::Matrix2d S = solveSymmetric(A, C);
-  double squares = 0, weights = 0, offsets_m = 0;
-  int places = 0;
-  const double farthest_m = aside_W_[0].norm() + aside_W_[1].norm() + aside_W_[2].norm();
-  for (std::size_t i = 0; i < 7; ++i) {
-    const double steepness = -gradients_W_[i].dot(normal_W_);
-    const double offset_m = (densities_[i] - isovalue) / steepness;
-    if (!(steepness > 0) || !(std::abs(offset_m) <= farthest_m)) continue;
-    const Eigen::Vector2d way_m = i == 0 ? Eigen::Vector2d::Zero() : Eigen::Vector2d(tangents.transpose() * aside_W_[(i - 1) / 2]);
-    offsets_m += offset_m + 0.5 * way_m.dot(S * way_m);
-    ++places;
-  }
-  if (places > 0) result.offset_m = offsets_m / places;
+  double squares = 0, weights = 0;
   for (std::size_t i = 0; i < count; ++i) {
     squares += pairs[i].weight * ((pairs[i].turn - S * pairs[i].way_m).squaredNorm() + pairs[i].mean.squaredNorm());
     weights += pairs[i].weight;
@@ -92,6 +81,21 @@ SurfacePatch::Curvature SurfacePatch::curvature(double isovalue) const noexcept 
   result.S_W = tangents * S * tangents.transpose();
   result.unevenness = std::sqrt(squares / weights / kExpected);
   return result;
+}
+
+double SurfacePatch::offset(double isovalue, const Mat3& S_W) const noexcept {
+  const double farthest_m = aside_W_[0].norm() + aside_W_[1].norm() + aside_W_[2].norm();
+  double sum_m = 0;
+  int places = 0;
+  for (std::size_t i = 0; i < gradients_W_.size(); ++i) {
+    const double steepness = -gradients_W_[i].dot(normal_W_);
+    const double offset_m = (densities_[i] - isovalue) / steepness;
+    if (!(steepness > 0) || !(std::abs(offset_m) <= farthest_m)) continue;
+    const Vec3 way_W = i == 0 ? Vec3::Zero() : aside_W_[(i - 1) / 2];
+    sum_m += offset_m + 0.5 * way_W.dot(S_W * way_W);
+    ++places;
+  }
+  return places > 0 ? sum_m / places : 0;
 }
 
 }  // namespace palpate

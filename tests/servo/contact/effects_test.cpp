@@ -249,6 +249,7 @@ TEST(Effects, TakeNothingFromTheHeap) {
   ContactEffects more = makeContactEffects(p, kStiffness, kRate);
   effects.push_back(std::move(more[2]));
   EnergyAccount account;
+  FeltSurface felt(0, kRate);
   Vec3 sum = Vec3::Zero();
   TickWatch::begin();
   for (int i = 0; i < 1000; ++i) {
@@ -257,11 +258,15 @@ TEST(Effects, TakeNothingFromTheHeap) {
     contact.plane = {kCentre + Vec3(0, 0, kRadius + 1e-6 * (i % 7)), Vec3::UnitZ(), i % 5};
     contact.hip_W = contact.plane.p_W + Vec3(1e-6 * i, 0, -1e-3);
     contact.new_contact = i % 300 == 0;
-    contact.window = &held.window;
+    contact.felt = felt.feel({.hip_W = contact.hip_W,
+                              .plane = contact.plane,
+                              .begins = contact.new_contact,
+                              .window = &held.window});
     ContactPush push{.vhip_W = contact.plane.nearest(contact.hip_W), .energy_m2 = 0.5e-6};
     for (auto& effect : effects) effect->move(contact, push);
     push.vhip_W = account.settle(contact, push);
     if (i % 300 == 299) {
+      felt.release();
       for (auto& effect : effects) effect->release();
     }
     sum += push.vhip_W;

@@ -131,6 +131,20 @@ TEST(EnergyAccount, WhatThePlaneGaveIsNotCharged) {
   }
 }
 
+// A contact that begins exactly on the surface, with nothing stored, is as strong as any: rounding alone decides whether
+// the hand's work is above or below what is stored then.
+TEST(EnergyAccount, AContactThatBeginsOnTheSurfaceIsWhole) {
+  for (const double first_m : {0.0, 1e-19, 1e-12}) {
+    for (const double step_m : {0.1e-3, 0.0317e-3, 1e-6}) {
+      Account account;
+      for (int i = 0; i < 40; ++i) {
+        const Vec3 hip(0, 0, -first_m - i * step_m);
+        ASSERT_NEAR(account.press(hip).z(), -hip.z(), 1e-12) << first_m << " " << step_m << " " << i;
+      }
+    }
+  }
+}
+
 TEST(EnergyAccount, ANewContactOwesNothing) {
   Account account;
   for (int i = 0; i <= kTicks; ++i) account.press({0, 0, depthAt(i)});

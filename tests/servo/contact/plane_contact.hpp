@@ -11,7 +11,8 @@ namespace palpate {
 // T is the frame of the test, so that a test can be repeated in a turned frame: x_W = R_WT * x_T.
 class PlaneContact {
  public:
-  explicit PlaneContact(ContactEffect& effect, const Mat3& R_WT = Mat3::Identity()) : effect_(effect), R_WT_(R_WT) {}
+  explicit PlaneContact(ContactEffect& effect, const Mat3& R_WT = Mat3::Identity(), double isovalue = 0)
+      : effect_(effect), felt_(isovalue, 1000), R_WT_(R_WT) {}
 
   // One tick with the HIP at `hip_T`, in contact: the VHIP after the effect, in T.
   Vec3 at(const Vec3& hip_T) {
@@ -19,7 +20,12 @@ class PlaneContact {
     contact.hip_W = R_WT_ * hip_T;
     contact.plane = {R_WT_ * plane_T.p_W, R_WT_ * plane_T.normal_W, age_ticks_++};
     contact.new_contact = new_contact_;
-    contact.window = window;
+    contact.felt = felt_.feel({.hip_W = contact.hip_W,
+                               .plane = contact.plane,
+                               .begins = new_contact_,
+                               .on_volume = !plane_is_felt,
+                               .window = window});
+    if (plane_is_felt && window->usable()) contact.felt.window = window;
     new_contact_ = false;
     const double depth_m = contact.plane.depth(contact.hip_W);
     push = {.vhip_W = contact.plane.nearest(contact.hip_W), .energy_m2 = 0.5 * depth_m * depth_m};
@@ -32,16 +38,19 @@ class PlaneContact {
   }
   void leave() {
     effect_.release();
+    felt_.release();
     new_contact_ = true;
     age_ticks_ = 0;
   }
 
   ContactPlane plane_T{Vec3::Zero(), Vec3::UnitZ(), 0};
+  bool plane_is_felt = false;  // whatever the samples say of the surface
   const SampleWindow* window = &none_;
   ContactPush push;  // after the last tick, in W
 
  private:
   ContactEffect& effect_;
+  FeltSurface felt_;
   Mat3 R_WT_;
   SampleWindow none_;
   bool new_contact_ = true;

@@ -41,7 +41,7 @@ class StiffnessByDensityTest : public testing::Test {
 
   AnalyticVolume volume_ = millimetreVolume(twoMaterials, 64);
   HeldWindow held_;
-  StiffnessByDensity effect_{StiffnessTable({{200, 0.25}, {800, 1.5}})};
+  StiffnessByDensity effect_{StiffnessTable({{200, 0.25}, {800, 1.5}}), 1000};
 };
 
 // 2.5 voxels down and 1.5 about that the density is on the plateau; floats hold 200 and 800 exactly: the factors are
@@ -64,7 +64,9 @@ TEST_F(StiffnessByDensityTest, KeepsTheDirectionOfTheForce) {
   contact.hip_W = Vec3(20e-3, 30e-3, kLevel - kDepth);
   contact.plane = {Vec3(20e-3, 30e-3, kLevel), Vec3::UnitZ(), 0};
   contact.new_contact = true;
-  contact.window = &held_.window;
+  FeltSurface felt(0, 1000);
+  contact.felt =
+      felt.feel({.hip_W = contact.hip_W, .plane = contact.plane, .begins = true, .window = &held_.window});
   const Vec3 d(0.2e-3, -0.1e-3, 0.4e-3);
   ContactPush push{.vhip_W = contact.hip_W + d, .energy_m2 = 0.5 * d.z() * d.z()};
   effect_.move(contact, push);
@@ -104,9 +106,10 @@ TEST(StiffnessByDensity, OnALevelSlopeTheForceIsTheClosedForm) {
     volume.hold(held, Vec3i::Zero(), volume.size);
     const Vec3 middle = volume.lattice.toWorld(Vec3::Constant(19.6));
     const double there = along.dot(middle);
-    StiffnessByDensity effect(StiffnessTable({{there - 0.25, 0}, {there + 0.25, 2}}));
+    StiffnessByDensity effect(StiffnessTable({{there - 0.25, 0}, {there + 0.25, 2}}), 1000);
     PlaneContact contact(effect);
     contact.window = &held.window;
+    contact.plane_is_felt = true;
     contact.plane_T = {middle, up, 0};
     for (const double way_m : {-1e-3, 0.0, 0.7e-3}) {
       const Vec3 hip = middle + way_m * along - kDepth * up;
@@ -128,7 +131,7 @@ TEST(StiffnessByDensity, LooksBeyondTheBlurOfVoxelsThatAreNotCubes) {
     volume.density = [&](const Vec3& p) { return middle[axis] - p[axis]; };
     HeldWindow held;
     volume.hold(held, Vec3i::Zero(), volume.size);
-    StiffnessByDensity effect(StiffnessTable({{0, 0}, {1, 100}}));
+    StiffnessByDensity effect(StiffnessTable({{0, 0}, {1, 100}}), 1000);
     PlaneContact contact(effect);
     contact.window = &held.window;
     contact.plane_T = {middle, Vec3::Unit(axis), 0};
@@ -141,7 +144,7 @@ TEST(StiffnessByDensity, LooksBeyondTheBlurOfVoxelsThatAreNotCubes) {
 TEST_F(StiffnessByDensityTest, ForcesOfTwoMaterialsAreAsTheirFactors) {
   const auto force_N = [&](double x_m) {
     ContactEffects effects;
-    effects.push_back(std::make_unique<StiffnessByDensity>(StiffnessTable({{200, 0.25}, {800, 1.5}})));
+    effects.push_back(std::make_unique<StiffnessByDensity>(StiffnessTable({{200, 0.25}, {800, 1.5}}), 1000));
     Hri hri(AlgorithmParameters{}, std::move(effects));
     AlgorithmDriver driver(hri, volume_, Vec3(x_m, 30e-3, kLevel + kDepth));
     driver.at(Vec3(x_m, 30e-3, kLevel + kDepth));

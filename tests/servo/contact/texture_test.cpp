@@ -174,13 +174,14 @@ class DensityTextureTest : public testing::Test {
                 double gain = 1) {
     volume_ = millimetreVolume(std::move(density), 32);
     volume_.hold(held_, Vec3i::Zero(), volume_.size);
-    DensityTexture texture(amplitude_m, gain);
+    DensityTexture texture(amplitude_m, gain, 1000);
     return heightOf(texture, surface_W);
   }
   double heightOf(DensityTexture& texture, const Vec3& surface_W) {
     PlaneContact contact(texture);
     contact.plane_T.p_W = surface_W;
     contact.window = &held_.window;
+    contact.plane_is_felt = true;
     contact.at(surface_W - kDepth * Vec3::UnitZ());
     return std::sqrt(2 * contact.push.energy_m2) - kDepth;  // deeper than 2A, where all of it is felt
   }
@@ -217,7 +218,7 @@ TEST_F(DensityTextureTest, WeighsNeighboursByTheirDistance) {
     return kSurface.z() - p.z() + (std::lround(p.x() / kVoxel) % 2 == 0 ? e : -e);
   };
   volume_.hold(held_, Vec3i::Zero(), volume_.size);
-  DensityTexture texture(0.5e-3, 1);
+  DensityTexture texture(0.5e-3, 1, 1000);
   EXPECT_NEAR(heightOf(texture, Vec3(16e-3, 8e-3, 16e-3)), e / 5.390625, kFloat_m);
 }
 
@@ -263,7 +264,7 @@ TEST_F(DensityTextureTest, ThereIsNoneWhereNothingIsKnown) {
   ASSERT_NE(height(steep, kSurface + Vec3(0.3e-3, 0, 0)), 0);
   // Beyond the outermost samples it goes on level, so that a face of the volume is no edge of the texture.
   EXPECT_NEAR(height(steep, Vec3(-5e-3, 16e-3, 16e-3)), height(steep, Vec3(0, 16e-3, 16e-3)), 1e-17);
-  DensityTexture texture(0.5e-3, 1);
+  DensityTexture texture(0.5e-3, 1, 1000);
   held_.window.version = 0;  // not usable
   EXPECT_NEAR(heightOf(texture, kSurface), 0, 1e-17);
   EXPECT_NEAR(height([](const Vec3&) { return 1.0; }, kSurface), 0, 1e-17);  // no gradient
@@ -271,13 +272,13 @@ TEST_F(DensityTextureTest, ThereIsNoneWhereNothingIsKnown) {
   // Bricks that the surface does not cross have densities in a window, and no gradients.
   ASSERT_NE(height(steep, kSurface + Vec3(0.3e-3, 0, 0)), 0);
   for (Sample& sample : held_.samples) sample.gradient_i = sample.gradient_j = sample.gradient_k = 0;
-  DensityTexture without_gradients(0.5e-3, 1);
+  DensityTexture without_gradients(0.5e-3, 1, 1000);
   EXPECT_NEAR(heightOf(without_gradients, kSurface + Vec3(0.3e-3, 0, 0)), 0, 1e-17);
 }
 
 // A newer window takes the old one's place at once.
 TEST_F(DensityTextureTest, ReadsTheWindowOfTheTick) {
-  DensityTexture texture(0.5e-3, 1);
+  DensityTexture texture(0.5e-3, 1, 1000);
   const auto flat = [](const Vec3& p) { return kSurface.z() - p.z(); };
   ASSERT_NEAR(height(flat, kSurface), 0, kFloat_m);
   EXPECT_NEAR(heightOf(texture, kSurface), 0, kFloat_m);
