@@ -29,6 +29,7 @@ namespace palpate {
 namespace {
 
 constexpr double kEnginesEnd_s = 600;  // it may have a large file to write
+constexpr double kServosEnd_s = 15;    // its force fades, for 10 s at most
 constexpr const char* kSupervise = "--supervise";
 const int kBadInputStatus = exitStatus(Error::Code::kBadInput), kNotFoundStatus = exitStatus(Error::Code::kNotFound);
 
@@ -50,13 +51,15 @@ std::vector<std::string> ownCommand() {
 
 // Engine and servo as children, which are started again when one dies. The engine's good end is that of both.
 void superviseBoth(const std::string& socket) {
-  const SupervisionEnd end =
-      supervise({{.name = "engine",
-                  .argv = ownCommand(),
-                  .essential = true,
-                  .hopeless = {kBadInputStatus, kNotFoundStatus},
-                  .patience_s = kEnginesEnd_s},
-                 {.name = "servo", .argv = {servoProgram().string(), "--connect", socket}, .essential = false}});
+  const SupervisionEnd end = supervise({{.name = "engine",
+                                         .argv = ownCommand(),
+                                         .essential = true,
+                                         .hopeless = {kBadInputStatus, kNotFoundStatus},
+                                         .patience_s = kEnginesEnd_s},
+                                        {.name = "servo",
+                                         .argv = {servoProgram().string(), "--connect", socket},
+                                         .essential = false,
+                                         .patience_s = kServosEnd_s}});
   if (end.killed > 0) {
     throw Error(Error::Code::kDevice, "palpate serve --supervise",
                 fmt::format("{} of its processes did not end in time and were killed", end.killed),

@@ -117,6 +117,7 @@ wire::DeviceMadeT wireOf(const Device& device) {
   wire.sets_pace = limits.sets_pace;
   wire.stiffness_limit_N_per_m = limits.stiffness_limit_N_per_m;
   wire.workspace_radius_m = limits.workspace_radius_m;
+  wire.is_held = limits.is_held;
   for (const HandParameters& hand : device.hands()) {
     wire.hands.push_back(std::make_unique<wire::HandT>());
     wire::HandT& to = *wire.hands.back();
@@ -144,7 +145,8 @@ DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
           .sets_pace = wire.sets_pace,
           .follows_force = wire.follows_force,
           .stiffness_limit_N_per_m = wire.stiffness_limit_N_per_m,
-          .workspace_radius_m = wire.workspace_radius_m};
+          .workspace_radius_m = wire.workspace_radius_m,
+          .is_held = wire.is_held};
 }
 
 std::vector<HandParameters> handsOf(const wire::DeviceMadeT& wire) {

@@ -172,7 +172,8 @@ DeviceLimits PolhemDevice::limits() const noexcept {
           .sets_pace = !use_.simulated_clock,
           .follows_force = true,
           .stiffness_limit_N_per_m = parameters_.stiffness_limit_N_per_m,
-          .workspace_radius_m = parameters_.workspace_radius_m};
+          .workspace_radius_m = parameters_.workspace_radius_m,
+          .is_held = true};
 }
 
 std::vector<HandParameters> PolhemDevice::hands() const {

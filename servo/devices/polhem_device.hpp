@@ -26,6 +26,7 @@
 #include "servo/devices/arm_kinematics.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/devices/polhem_report.hpp"
+#include "servo/devices/registry.hpp"
 #include "servo/devices/report_link.hpp"
 
 namespace palpate {
@@ -46,6 +47,9 @@ struct PolhemParameters {
   double workspace_radius_m = 0.1;
   double mass_kg = 0.15, damping_Ns_per_m = 0.5;
 };
+
+// Those of a kind in the table of devices, by their keys; what is not given has its usual value. Set-up code.
+[[nodiscard]] PolhemParameters polhemParametersOf(const DeviceValues& values);
 
 // Throws Error(kBadInput) for parameters that no arm can have.
 void checkPolhem(const PolhemParameters& parameters);

@@ -68,10 +68,14 @@ std::unique_ptr<Device> makePolhem(const DeviceSetup& setup) {
                       .rate_hz = setup.rate_hz,
                       .calibrated = setup.calibrated,
                       .thread_begins = setup.thread_begins};
-  return std::make_unique<PolhemDevice>(given<Arm>(kPolhemRows, setup), use, setup.open);
+  return std::make_unique<PolhemDevice>(polhemParametersOf(setup.values), use, setup.open);
 }
 
 }  // namespace
+
+PolhemParameters polhemParametersOf(const DeviceValues& values) {
+  return given<Arm>(kPolhemRows, {.values = values});
+}
 
 DeviceEntry polhemEntry() {
   return {.name = "polhem-family",
@@ -79,7 +83,7 @@ DeviceEntry polhemEntry() {
           .needs_port = true,
           .parameters = parametersOf<kPolhemRows>,
           .make = makePolhem,
-          .check = [](const DeviceValues& values) { checkPolhem(given<Arm>(kPolhemRows, {.values = values})); }};
+          .check = [](const DeviceValues& values) { checkPolhem(polhemParametersOf(values)); }};
 }
 
 }  // namespace palpate

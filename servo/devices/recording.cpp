@@ -20,8 +20,9 @@ constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
 constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0xffffff;
-constexpr unsigned kOffShift = 24;      // why there is no force lies in the high byte of the periods
-constexpr double kMostRate_hz = 20000;  // ServoLoop's
+constexpr unsigned kOffShift = 24;                 // why there is no force lies in the high byte of the periods
+constexpr std::uint8_t kFollows = 1, kIsHeld = 2;  // what the header says of the device, besides numbers
+constexpr double kMostRate_hz = 20000;             // ServoLoop's
 constexpr int kMostDelay_ticks = 10000;
 
 template <class T>
@@ -71,7 +72,7 @@ std::string headerBytes(const Recording& r) {
                              r.limits.stiffness_limit_N_per_m, r.limits.workspace_radius_m})
     put(bytes, limit);
   put(bytes, static_cast<std::int32_t>(r.limits.force_delay_ticks));
-  put(bytes, static_cast<std::uint8_t>(r.limits.follows_force));
+  put(bytes, static_cast<std::uint8_t>((r.limits.follows_force ? kFollows : 0) | (r.limits.is_held ? kIsHeld : 0)));
   put(bytes, static_cast<std::uint8_t>(r.hands.size()));
   for (const HandParameters& h : r.hands) {
     for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
@@ -171,7 +172,9 @@ Recording takeHeader(Taker& taker) {
                         &r.limits.stiffness_limit_N_per_m, &r.limits.workspace_radius_m})
     *limit = taker.take<double>();
   r.limits.force_delay_ticks = taker.take<std::int32_t>();
-  r.limits.follows_force = taker.take<std::uint8_t>() != 0;
+  const auto traits = taker.take<std::uint8_t>();
+  r.limits.follows_force = (traits & kFollows) != 0;
+  r.limits.is_held = (traits & kIsHeld) != 0;
   r.hands.resize(taker.take<std::uint8_t>());
   for (HandParameters& h : r.hands) {
     for (double* value : {&h.hand_mass_kg, &h.hand_damping_Ns_per_m, &h.hand_stiffness_N_per_m, &h.device_mass_kg,

@@ -110,9 +110,9 @@ class ServoLoop {
   // Of the newest tick, but for its overrun, which is not known before its end (faults.hpp). Any thread, any time.
   [[nodiscard]] std::uint32_t newestFaults() const noexcept { return newest_faults_.load(std::memory_order_relaxed); }
 
-  // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force is
-  // brought to zero. That takes one write, or more if the slew limit asks for it or the device refuses. After a second
-  // of refusals the loop gives up (LoopResult::released).
+  // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force fades
+  // to zero as in a fault, within fade_s or as long as the slew limit asks for. Without a force that takes one write.
+  // After a second of refusals the loop gives up (LoopResult::released).
   void requestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
  private:
@@ -134,6 +134,7 @@ class ServoLoop {
   void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool believes(const Vec3& read_W) noexcept;
+  void beginAt(const Vec3& read_W) noexcept;
   [[nodiscard]] bool readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept;
   [[nodiscard]] bool offer(const Vec3& force_W) noexcept;
   template <typename Pause>
@@ -154,6 +155,7 @@ class ServoLoop {
   Vec3 hip_W_ = Vec3::Zero();   // last position that could be read [m]
   Vec3 leap_W_ = Vec3::Zero();  // the last reading, if no motion explains it
   bool leapt_ = false;
+  bool begins_;  // the first position of a run is still to come, and may be anywhere: a person holds the device
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate

@@ -296,7 +296,7 @@ TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
   p.ticks = 10;
   ServoLoop loop(p, push, device, windows, tool);
   EXPECT_FALSE(loop.runSimulated().released);
-  EXPECT_LE(device.writes, 2 * 10 + 1);
+  EXPECT_LE(device.writes, 10 + 100 + 10 + 1);  // of the run; of the fade; what the slew may ask for more
 }
 
 // Writes of the release are a period apart, as ticks are: a device that refuses them is asked for its patience's time.
@@ -375,14 +375,59 @@ TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   }
 }
 
-// 4 N at 1 N a tick: the run's end takes three more writes above zero, then zero, however it ends.
-TEST_F(LoopFaults, TheEndOfARunKeepsWithinTheSlew) {
-  parameters.safety.slew_limit_N_per_s = 1000;
-  const LoopResult result = run(50, {});
-  ASSERT_EQ(result.records.size(), 50u);
-  const std::vector<Vec3>& written_W = device.written_W;
-  ASSERT_EQ(written_W.size(), 54u);
-  for (std::size_t i = 50; i < 54; ++i) EXPECT_NEAR(written_W[i].z(), 53.0 - static_cast<double>(i), 1e-12);
+// 4 N: the run's end takes the fade's ten writes, as a fault would, or the 41 that a slew of 0.1 N a tick asks for.
+TEST_F(LoopFaults, TheEndOfARunFades) {
+  for (const double slew_N_per_s : {20000.0, 100.0}) {
+    parameters.safety.slew_limit_N_per_s = slew_N_per_s;
+    device.written_W.clear();
+    script.tick = -1;
+    const LoopResult result = run(50, {});
+    ASSERT_EQ(result.records.size(), 50u);
+    EXPECT_TRUE(result.released);
+    EXPECT_NEAR(force(result, 49), 4, 1e-9);
+    const std::size_t ticks = slew_N_per_s > 1000 ? 10 : 41;
+    const std::vector<Vec3>& written_W = device.written_W;
+    ASSERT_EQ(written_W.size(), 50 + ticks);
+    for (std::size_t i = 1; i <= ticks; ++i)
+      EXPECT_NEAR(written_W[49 + i].z(), 4 * (1 - static_cast<double>(i) / static_cast<double>(ticks)), 1e-9) << i;
+  }
+}
+
+// A tool that is somewhere else at once: one tick counts as no answer, then it begins anew there. What is held fades in
+// a straight line through both, and comes back from nothing: within the fade, or of a held device as at the start.
+TEST_F(LoopFaults, AtANewPlaceTheForceComesBackFromNothing) {
+  for (const bool is_held : {false, true}) {
+    device.is_held = is_held;
+    script.tick = -1;
+    const LoopResult result = run(2400, {{Injected::kWildPosition, 1200, 10000, 5}});
+    expectFault(result, ServoFault::kDeviceError, 1200, 1201);
+    EXPECT_EQ(force(result, 1199), 4);
+    for (std::size_t i = 0; i < 10; ++i)
+      EXPECT_NEAR(force(result, 1200 + i), 4 - 0.4 * (static_cast<double>(i) + 1), 1e-12) << i;
+    for (std::size_t i = 1; 1209 + i < 2400; ++i) {
+      const double ticks = static_cast<double>(i);
+      const double share = std::min(1.0, ticks / 10) * (is_held ? std::min(1.0, ticks / 1000) : 1);
+      ASSERT_NEAR(force(result, 1209 + i), 4 * share, 1e-12) << i;
+    }
+  }
+}
+
+// Of a device that a person holds the force begins at nothing, also after the device was away; its clutch is no start.
+TEST_F(LoopFaults, TheForceOfAHeldDeviceGrowsOverASecond) {
+  device.is_held = true;
+  for (const ForceOff why : {ForceOff::kUncalibrated, ForceOff::kClutched}) {
+    device.why_off = why;
+    script.tick = -1;
+    const LoopResult result = run(2600, {{Injected::kForceOff, 1200, 50}});
+    for (std::size_t i = 0; i < 1200; ++i)
+      ASSERT_NEAR(force(result, i), 4 * std::min(1.0, (static_cast<double>(i) + 1) / 1000), 1e-12) << i;
+    for (std::size_t i = 1200; i < 1250; ++i) ASSERT_EQ(force(result, i), 0) << i;
+    const double back_ticks = why == ForceOff::kClutched ? 1 : 1000;
+    for (std::size_t i = 1250; i < 2600; ++i) {
+      const double ticks = static_cast<double>(i) - 1249;
+      ASSERT_NEAR(force(result, i), 4 * std::min(1.0, ticks / 10) * std::min(1.0, ticks / back_ticks), 1e-12) << i;
+    }
+  }
 }
 
 // At 3 kHz a period is no whole number of nanoseconds: after 6 s every tick is still due within one of k / rate, where
