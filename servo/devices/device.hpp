@@ -15,6 +15,7 @@
 
 #include "base/vec.hpp"
 #include "servo/devices/hand_dynamics.hpp"
+#include "servo/devices/hand_motion.hpp"
 
 namespace palpate {
 
@@ -49,7 +50,8 @@ struct DeviceLimits {
   bool follows_force = true;           // false: no force moves it, so no contact with it can be unstable
   double stiffness_limit_N_per_m = 0;  // stiffest contact that its maker states; 0: not stated [N/m]
   double workspace_radius_m = 0;       // around its origin; 0: not stated [m]
-  bool is_held = false;  // a person holds it, and its motors move that hand: no force of it may begin at once
+  bool is_held = false;      // a person holds it, and its motors move that hand: no force of it may begin at once
+  MotionBounds motion = {};  // what its handle can do
 };
 
 class Device {

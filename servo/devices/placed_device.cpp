@@ -45,6 +45,8 @@ DeviceLimits PlacedDevice::limits() const noexcept {
   limits.position_resolution_m *= placement_.scale;
   limits.stiffness_limit_N_per_m /= placement_.scale * placement_.force_scale;
   limits.workspace_radius_m *= placement_.scale;
+  limits.motion.speed_m_per_s *= placement_.scale;
+  limits.motion.acceleration_m_per_s2 *= placement_.scale;
   return limits;
 }
 

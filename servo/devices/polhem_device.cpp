@@ -16,13 +16,12 @@
 namespace palpate {
 namespace {
 
-constexpr double kFastest_m_per_s = 10;  // a hand's fastest punch
-constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
-constexpr double kLongestLeap_m = 0.1;   // however long it said nothing: half a second is enough for a new start
-constexpr double kForgets_s = 0.5;       // of silence; the firmware takes 1 s to start
-constexpr int kSureReports = 3;          // in a row that say that the button is pressed
-constexpr double kJustBefore_s = 0.1;    // so long before it was seen not pressed
-constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
+constexpr int kMostLeaps = 3;           // in a row: the device does count from elsewhere
+constexpr double kLongestLeap_m = 0.1;  // however long it said nothing: half a second is enough for a new start
+constexpr double kForgets_s = 0.5;      // of silence; the firmware takes 1 s to start
+constexpr int kSureReports = 3;         // in a row that say that the button is pressed
+constexpr double kJustBefore_s = 0.1;   // so long before it was seen not pressed
+constexpr int kAskAgain = 100;          // reports after which a calibration that was not heard is told again
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
 constexpr std::size_t kPacedReports = 16;  // by which the pace of its reports is known
@@ -105,6 +104,7 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       use_(use),
       arm_(parameters.joints, parameters.origin_m),
       link_(std::move(open), linkSettings(parameters, use, garbage_)),
+      motion_(kHandMotion, arm_.resolution_m(arm_.anglesAt(Vec3::Zero()).value_or(Vec3::Zero()))),
       calibrated_(use.calibrated) {
   link_.listen(kListen_ms);
   if (!use_.simulated_clock) link_.start();
@@ -173,7 +173,8 @@ DeviceLimits PolhemDevice::limits() const noexcept {
           .follows_force = true,
           .stiffness_limit_N_per_m = parameters_.stiffness_limit_N_per_m,
           .workspace_radius_m = parameters_.workspace_radius_m,
-          .is_held = true};
+          .is_held = true,
+          .motion = kHandMotion};
 }
 
 std::vector<HandParameters> PolhemDevice::hands() const {
@@ -240,6 +241,7 @@ void PolhemDevice::countFrom(const PolhemCounts& raw) noexcept {
   for (std::size_t k = 0; k < 3; ++k) counts_[k] = raw[k];
   raw_ = raw;
   leaps_ = 0;
+  motion_.begin();
 }
 
 // Counts have 16 bits: an encoder that turns on beyond them begins anew at the other end.
@@ -255,17 +257,21 @@ double PolhemDevice::silence_s() const noexcept {
   return silent_ticks_ / use_.rate_hz;
 }
 
-// How far a hand can have moved the handle since the last report that counted told where it was. A thread that reads
-// late knows since when that may have been. While the device was silent it may have been anywhere, and so may its
-// counts, so that time counts for little.
-double PolhemDevice::longestWay_m(const Received& received) const noexcept {
-  double silent_s = silence_s(), late_s = 0;
-  if (!use_.simulated_clock) {
-    silent_s = static_cast<double>(received.silent_ns - silent_ns_) / kNanosecondsPerSecond;
-    late_s = std::max(0.0, static_cast<double>(received.time_ns - asked_ns_) / kNanosecondsPerSecond - silent_s);
-  }
-  return std::max(kFastest_m_per_s * late_s + std::min(kFastest_m_per_s * silent_s, kLongestLeap_m),
-                  kFastest_m_per_s / use_.rate_hz);
+// Since the last report that counted told where the handle was. A thread that reads late knows since when that may have
+// been.
+PolhemDevice::Interval PolhemDevice::intervalTo(const Received& received) const noexcept {
+  const double tick_s = 1 / use_.rate_hz;
+  if (use_.simulated_clock) return {std::max(tick_s, silence_s()), 0, std::max(0.0, silence_s() - tick_s)};
+  const auto seconds = [](std::int64_t time_ns) { return static_cast<double>(time_ns) / kNanosecondsPerSecond; };
+  return {std::max(tick_s, seconds(received.time_ns - received_ns_)), seconds(received_ns_ - asked_ns_),
+          seconds(received.silent_ns - silent_ns_)};
+}
+
+// While the device was silent it may have been anywhere, and so may its counts: that time counts for little.
+double PolhemDevice::longestWay_m(const Interval& since) const noexcept {
+  const double spoken_s = std::max(1 / use_.rate_hz, since.time_s - since.silent_s);
+  return std::min(motion_.longestWay_m(since.time_s, since.waited_s),
+                  motion_.longestWay_m(spoken_s, since.waited_s) + (since.silent_s > 0 ? kLongestLeap_m : 0));
 }
 
 // The firmware holds what the button asked until it is told to count from home, which it then does from where the
@@ -307,7 +313,7 @@ void PolhemDevice::take(const Received& received) noexcept {
     countFrom(state->counts);
   } else if (begins) {
     countFrom(state->counts);
-  } else if (!follows(state->counts, longestWay_m(received))) {
+  } else if (!follows(state->counts, intervalTo(received))) {
     return;
   }
   heedButton(state->asks_for_calibration, !begins && since_s <= kJustBefore_s);
@@ -323,14 +329,17 @@ void PolhemDevice::take(const Received& received) noexcept {
 
 // Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed. After a leap,
 // what lies nearer to it than to where the handle was leaps, too, however much time has passed meanwhile.
-bool PolhemDevice::follows(const PolhemCounts& raw, double longest_m) noexcept {
+bool PolhemDevice::follows(const PolhemCounts& raw, const Interval& since) noexcept {
   const ArmCounts before = counts_;
   const PolhemCounts raw_before = raw_;
   const int leaps = leaps_;
   countOn(raw);
   const Vec3 at_A = arm_.position(arm_.angles(counts_));
   const double way_m = (at_A - position_A_).norm();
-  if (way_m <= longest_m && (leaps == 0 || way_m < (at_A - leapt_to_A_).norm())) return true;
+  if (way_m <= longestWay_m(since) && (leaps == 0 || way_m < (at_A - leapt_to_A_).norm())) {
+    motion_.believe(way_m, since.time_s, since.waited_s);
+    return true;
+  }
   countOne(implausible_);
   if (leaps + 1 < kMostLeaps) {
     counts_ = before;

@@ -8,11 +8,13 @@
 // its own. The servo takes a device that is not there as one that holds no force.
 //   Two firmwares with the same USB numbers drive amplifiers of 3 A and 6 A; a current above the amplifier's saturates
 // it. So forces stay off until the limit is given.
-//   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
-// counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
-// What counts as an answer to a calibration came after the device was told, over the same connection. The button counts
-// if it was seen not pressed a moment before, and pressed in several reports: what was pressed at some time before,
-// when the handle may have been elsewhere, makes the device uncalibrated.
+//   A report that is none, or whose position no hand can reach in the time (hand_motion.hpp), is counted and not used.
+//   If
+// three in a row say so, the device counts from elsewhere: it has been switched off meanwhile, or a joint has slipped
+// on its capstan. Then it is not calibrated any more, and every position would be wrong. What counts as an answer to a
+// calibration came after the device was told, over the same connection. The button counts if it was seen not pressed a
+// moment before, and pressed in several reports: what was pressed at some time before, when the handle may have been
+// elsewhere, makes the device uncalibrated.
 //   A device that says nothing usable for 0.5 s may have been switched off and on.
 //   A force waits for the next report, so the pace of the reports, measured when the device is opened, is its delay.
 // Frame D, the device's: x to the right, y up, z towards the user, 0 in the middle of the workspace [m, N].
@@ -84,6 +86,10 @@ class PolhemDevice final : public Device {
   [[nodiscard]] const ArmCounts& counts() const noexcept { return counts_; }
 
  private:
+  struct Interval {  // of two reports [s]
+    double time_s, waited_s;
+    double silent_s;  // of the time: beyond what a report takes it said nothing
+  };
   void take(const Received& received) noexcept;
   void measurePace();
   [[nodiscard]] int delayTicks() const noexcept;
@@ -91,11 +97,12 @@ class PolhemDevice final : public Device {
   void tell(Pending what) noexcept;
   void heedButton(bool asks, bool just_before) noexcept;
   [[nodiscard]] double silence_s() const noexcept;
-  [[nodiscard]] bool follows(const PolhemCounts& raw, double longest_m) noexcept;
+  [[nodiscard]] bool follows(const PolhemCounts& raw, const Interval& since) noexcept;
   void countFrom(const PolhemCounts& raw) noexcept;
   void countOn(const PolhemCounts& raw) noexcept;
   [[nodiscard]] bool isThere() const noexcept;
-  [[nodiscard]] double longestWay_m(const Received& received) const noexcept;
+  [[nodiscard]] Interval intervalTo(const Received& received) const noexcept;
+  [[nodiscard]] double longestWay_m(const Interval& interval) const noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
 
@@ -117,7 +124,8 @@ class PolhemDevice final : public Device {
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
-  int leaps_ = 0;                                           // in a row
+  MotionLaw motion_;
+  int leaps_ = 0;  // in a row
   Vec3 leapt_to_A_ = Vec3::Zero();
   int asked_reports_ = 0;        // in a row in which the button asks for a calibration
   bool is_pressed_now_ = false;  // it was seen not to ask a moment before the first of them

@@ -107,6 +107,8 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       guard_(parameters.instability, device.limits(), parameters.rate_hz),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)),
+      motion_(device.limits().motion, device.limits().position_resolution_m),
+      position_waits_s_(device.limits().sets_pace ? parameters.safety.report_timeout_s : 0),
       begins_(device.limits().is_held),
       most_force_N_(mostForce(device)),
       change_ticks_(std::max<std::int64_t>(1, std::llround(kChangeOver_s * parameters.rate_hz))) {
@@ -371,12 +373,17 @@ void ServoLoop::endChange() noexcept {
   changes_->done(std::exchange(change_, nullptr));
 }
 
-// Whether the tool can be there. A place that no motion explains is believed when the next reading lies near it: then
-// the device counts from elsewhere, and everything begins anew there. Otherwise it was a wrong reading.
+double ServoLoop::sinceReport_s() const noexcept {
+  return std::max(1, ticks_since_report_) / parameters_.rate_hz;
+}
+
+// Whether the tool can be there. The loop knows when it read a position, not when the device was there: one that sends
+// reports of its own pace may have been there as long ago as an old position is no fault. A place that no motion
+// explains is believed when the next reading lies near it: then the device counts from elsewhere, and everything begins
+// anew there. Otherwise it was a wrong reading.
 bool ServoLoop::believes(const Vec3& read_W) noexcept {
   const double way_m = (read_W - hip_W_).stableNorm();
-  const double longest_m = kFastest_m_per_s * std::max(1, ticks_since_report_) / parameters_.rate_hz;
-  if (way_m <= longest_m) {
+  if (way_m <= motion_.longestWay_m(sinceReport_s(), position_waits_s_)) {
     leapt_ = false;
     return true;
   }
@@ -395,6 +402,8 @@ void ServoLoop::beginAt(const Vec3& read_W) noexcept {
   if (leaving_ != nullptr) leaving_->resume(read_W, read_W);
   velocity_.reset(read_W);
   passivity_.reset(read_W);
+  motion_.begin();
+  hip_W_ = read_W;
   device_.beginAnew();
 }
 
@@ -409,9 +418,11 @@ bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t&
     beginAt(read_W);
   else if (!believes(read_W))
     return false;
+  const double way_m = (read_W - hip_W_).stableNorm();
   hip_W_ = read_W;
   report_age_ns = device_.reportAge_ns();
   if (report_age_ns >= std::max<std::int64_t>(gap_ns, 1)) return true;
+  motion_.believe(way_m, sinceReport_s(), position_waits_s_);
   passivity_.moved(hip_W_);
   velocity_.update(hip_W_, std::max(1, ticks_since_report_));
   ticks_since_report_ = 0;

@@ -28,10 +28,12 @@ Recording anyRecording(unsigned seed, int ticks) {
               .position_resolution_m = random.between(0, 1e-4),
               .force_delay_ticks = random.pick(5),
               .slew_limit_N_per_s = random.between(0, 1e5),
+              .sets_pace = random.pick(2) == 0,
               .follows_force = random.pick(2) == 0,
               .stiffness_limit_N_per_m = random.between(0, 2000),
               .workspace_radius_m = random.between(0, 1),
-              .is_held = random.pick(2) == 0};
+              .is_held = random.pick(2) == 0,
+              .motion = {random.between(1, 1000), random.between(0, 1000)}};
   r.hands.resize(static_cast<std::size_t>(random.pick(4)));
   Vec3 at = Vec3::Zero();
   for (int i = 0; i < ticks; ++i) {
@@ -82,6 +84,9 @@ TEST(Recording, ComesBackToTheBit) {
     EXPECT_EQ(back.limits.slew_limit_N_per_s, r.limits.slew_limit_N_per_s);
     EXPECT_EQ(back.limits.follows_force, r.limits.follows_force);
     EXPECT_EQ(back.limits.is_held, r.limits.is_held);
+    EXPECT_EQ(back.limits.sets_pace, r.limits.sets_pace);
+    EXPECT_EQ(back.limits.motion.speed_m_per_s, r.limits.motion.speed_m_per_s);
+    EXPECT_EQ(back.limits.motion.acceleration_m_per_s2, r.limits.motion.acceleration_m_per_s2);
     EXPECT_EQ(back.limits.stiffness_limit_N_per_m, r.limits.stiffness_limit_N_per_m);
     EXPECT_EQ(back.limits.workspace_radius_m, r.limits.workspace_radius_m);
     ASSERT_EQ(back.hands.size(), r.hands.size());
