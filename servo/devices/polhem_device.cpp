@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
@@ -48,6 +49,10 @@ const PolhemParameters& checked(const PolhemParameters& p) {
     checkSetting(joint.counts_per_turn > 0, "counts of an encoder", joint.counts_per_turn, "give counts above 0");
   }
   checkSetting(p.current_limit_A >= 0, "current limit", p.current_limit_A, "give amperes above 0, or 0: not known");
+  checkSetting(p.continuous_current_A >= 0, "continuous current", p.continuous_current_A,
+               "give amperes above 0, or 0: as much as the limit");
+  checkSetting((p.continuous_current_A > 0) == (p.heating_s > 0), "time constant of heating", p.heating_s,
+               "give continuous_current_A and heating_s both, or neither");
   checkSetting(p.force_limit_N >= 0, "force limit", p.force_limit_N, "give 0 N or more");
   checkSetting(p.slew_limit_N_per_s >= 0, "slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
   for (const int home : p.home_counts) {
@@ -105,6 +110,7 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       arm_(parameters.joints, parameters.origin_m),
       link_(std::move(open), linkSettings(parameters, use, garbage_)),
       motion_(kHandMotion, arm_.resolution_m(arm_.anglesAt(Vec3::Zero()).value_or(Vec3::Zero()))),
+      heat_(parameters.continuous_current_A, parameters.heating_s),
       calibrated_(use.calibrated) {
   link_.listen(kListen_ms);
   if (!use_.simulated_clock) link_.start();
@@ -224,6 +230,7 @@ void PolhemDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     link_.exchange();
     ++silent_ticks_;
+    ++ticks_since_write_;
     take(link_.newest());
   }
 }
@@ -373,17 +380,26 @@ Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcep
   const Vec3 currents_A = arm_.currents(toArm(force_D), angles_);
   const double largest_A = currents_A.cwiseAbs().maxCoeff();
   share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
+  share = std::min(share, heat_.share(currents_A));
   const double size_N = force_D.stableNorm();
   if (size_N * share > parameters_.force_limit_N) share = parameters_.force_limit_N / size_N;
   return share * currents_A;
 }
 
+double PolhemDevice::sinceWrite_s() noexcept {
+  if (use_.simulated_clock) return std::exchange(ticks_since_write_, 0) / use_.rate_hz;
+  const std::int64_t now_ns = monotonicNow_ns(), before_ns = std::exchange(written_ns_, now_ns);
+  return before_ns == 0 ? 0 : static_cast<double>(now_ns - before_ns) / kNanosecondsPerSecond;
+}
+
 // A device that is not there exerts no force, so it takes any as none, and a contact begins from none when it is back.
 bool PolhemDevice::write(const Vec3& force_D) noexcept {
   if (!force_D.allFinite()) return false;
+  heat_.pass(std::exchange(flowing_A_, Vec3(Vec3::Zero())), sinceWrite_s());
   if (!link_.connected()) return true;
   double share = 0;
   const Vec3 currents_A = currentsFor(force_D, share);
+  flowing_A_ = currents_A;
   PolhemCommand command;
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   for (int k = 0; k < 3; ++k) {

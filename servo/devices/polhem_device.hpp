@@ -26,6 +26,7 @@
 #include <cstdint>
 
 #include "servo/devices/arm_kinematics.hpp"
+#include "servo/devices/current_heat.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/devices/polhem_report.hpp"
 #include "servo/devices/registry.hpp"
@@ -43,6 +44,8 @@ struct PolhemParameters {
   Vec3 origin_m = {0.14, 0, 0.1};
   std::array<int, 3> home_counts = {0, 0, -5000};  // what encoders a to c count in the home position
   double current_limit_A = 0;                      // of the firmware; 0: not given, and forces stay off
+  double continuous_current_A = 0;                 // that motors and amplifiers bear for ever; 0: as much as the limit
+  double heating_s = 0;                            // time constant of their heating; 0: none is given
   double force_limit_N = 5;
   double slew_limit_N_per_s = 0;  // 0: not stated
   double stiffness_limit_N_per_m = 800;
@@ -104,6 +107,7 @@ class PolhemDevice final : public Device {
   [[nodiscard]] Interval intervalTo(const Received& received) const noexcept;
   [[nodiscard]] double longestWay_m(const Interval& interval) const noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
+  [[nodiscard]] double sinceWrite_s() noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
 
   PolhemParameters parameters_;
@@ -130,6 +134,10 @@ class PolhemDevice final : public Device {
   int asked_reports_ = 0;        // in a row in which the button asks for a calibration
   bool is_pressed_now_ = false;  // it was seen not to ask a moment before the first of them
   Pending pending_ = Pending::kNothing;
+  CurrentHeat heat_;
+  Vec3 flowing_A_ = Vec3::Zero();  // since the last write
+  std::int64_t written_ns_ = 0;    // when that was; by the simulated clock unused
+  int ticks_since_write_ = 0;      // simulated clock
   std::atomic<bool> calibrated_;
   std::atomic<std::uint64_t> implausible_{0}, calibrations_{0};
 };

@@ -22,7 +22,8 @@ class Handle final : public Device {
             .slew_limit_N_per_s = 600,
             .follows_force = follows_force,
             .stiffness_limit_N_per_m = 900,
-            .workspace_radius_m = 0.1};
+            .workspace_radius_m = 0.1,
+            .motion = kHandMotion};
   }
   [[nodiscard]] std::vector<HandParameters> hands() const override { return {HandParameters{}}; }
   [[nodiscard]] bool read(Vec3& p) noexcept override {
@@ -98,6 +99,8 @@ TEST(PlacedDevice, KeepsWorkAndTellsLimitsInTheScenesMeasures) {
     EXPECT_DOUBLE_EQ(limits.slew_limit_N_per_s * p.force_scale, 600);
     EXPECT_DOUBLE_EQ(limits.position_resolution_m, 1e-5 * p.scale);
     EXPECT_DOUBLE_EQ(limits.workspace_radius_m, 0.1 * p.scale);
+    EXPECT_DOUBLE_EQ(limits.motion.speed_m_per_s, kHandMotion.speed_m_per_s * p.scale);
+    EXPECT_DOUBLE_EQ(limits.motion.acceleration_m_per_s2, kHandMotion.acceleration_m_per_s2 * p.scale);
     EXPECT_NEAR(limits.stiffness_limit_N_per_m * p.scale * p.force_scale, 900, 1e-9);
     EXPECT_NEAR(placed.device->hands()[0].device_mass_kg * p.scale * p.force_scale, HandParameters{}.device_mass_kg,
                 1e-15);
