@@ -396,10 +396,11 @@ bool ServoLoop::believes(const Vec3& read_W) noexcept {
   return true;
 }
 
-// As at the start of a run: the tool is there, and nothing is known of how it came there.
+// As at the start of a run: the tool is there, and nothing is known of how it came there. One that is inside an object
+// is not pushed out.
 void ServoLoop::beginAt(const Vec3& read_W) noexcept {
-  algorithm_->resume(read_W, read_W);
-  if (leaving_ != nullptr) leaving_->resume(read_W, read_W);
+  algorithm_->reset(read_W);
+  if (leaving_ != nullptr) leaving_->reset(read_W);
   velocity_.reset(read_W);
   passivity_.reset(read_W);
   motion_.begin();

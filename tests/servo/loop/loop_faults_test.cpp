@@ -360,6 +360,45 @@ TEST(LoopStart, PutsTheAlgorithmWhereTheDeviceIs) {
   EXPECT_EQ(algorithm.reset_W, Vec3(Vec3::Zero()));
 }
 
+// A person's tool that begins inside of an object, or is there at once, after it has touched nothing for a while: it is
+// not pushed out, as in any start.
+TEST(LoopStart, AToolThatIsInsideAnObjectIsNotPushed) {
+  class Placed final : public StuckDevice {
+   public:
+    [[nodiscard]] DeviceLimits limits() const noexcept override {
+      return {.force_limit_N = 5, .is_held = true, .motion = kHandMotion};
+    }
+    [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+      position_W = at_W;
+      return true;
+    }
+    [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override { return force_W; }
+    Vec3 at_W = Vec3::Zero();
+  };
+  for (const char* name : {"hri", "blezek", "implicit"}) {
+    for (const bool jumps : {false, true}) {
+      SCOPED_TRACE(std::string(name) + (jumps ? ", jumps in" : ", begins inside"));
+      TouchScene scene(0.2, name);
+      Placed device;
+      device.at_W = TouchScene::above(jumps ? 14e-3 : -10e-3);
+      LoopParameters p;
+      p.ticks = 200;
+      ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+      const LoopResult result = loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
+        if (tick % 16 == 0) scene.publish(device.at_W, now_ns);
+        scene.windows.confirm(now_ns);
+        if (tick == 60) device.at_W = TouchScene::above(-10e-3);
+        if (tick == 60) scene.publish(device.at_W, now_ns);
+      });
+      for (const TickRecord& record : result.records) {
+        ASSERT_EQ(asVec3(record.force_W).norm(), 0) << record.tick;
+        ASSERT_FALSE(record.in_contact) << record.tick;
+      }
+      EXPECT_TRUE(has(result.records.back().faults, ServoFault::kInsideObject));
+    }
+  }
+}
+
 // The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
 TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   for (const double of_scene : {5000.0, 500.0}) {
