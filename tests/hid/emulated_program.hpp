@@ -2,6 +2,7 @@
 // The built program on a machine with emulated HID devices (emulate_hid.cpp).
 #pragma once
 
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -62,7 +63,7 @@ class EmulatedHid : public ProgramTest {
     const auto put = [&](double time_s, const Vec3& hip) {
       csv += fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}\n", time_s, hip.x(), hip.y(), hip.z());
     };
-    if (rest_s > 0) put(0, rows.front().hip_W());
+    for (int ms = 0; ms < std::lround(1e3 * rest_s); ++ms) put(1e-3 * ms, rows.front().hip_W());
     for (const TraceRow& row : rows) put(rest_s + row.time_s(), row.hip_W());
     write("way.csv", csv);
   }
