@@ -4,7 +4,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,6 +20,7 @@
 #include "apps/serve/serve_job.hpp"
 #include "apps/serve/served_engine.hpp"
 #include "apps/serve/service_place.hpp"
+#include "apps/servo_side/servo_ceilings.hpp"
 #include "apps/servo_side/servo_process.hpp"
 #include "apps/supervise/supervisor.hpp"
 #include "base/error.hpp"
@@ -29,6 +33,7 @@ namespace palpate {
 namespace {
 
 constexpr double kEnginesEnd_s = 600;  // it may have a large file to write
+constexpr double kServosEnd_s = 15;    // its force fades, for 10 s at most
 constexpr const char* kSupervise = "--supervise";
 const int kBadInputStatus = exitStatus(Error::Code::kBadInput), kNotFoundStatus = exitStatus(Error::Code::kNotFound);
 
@@ -49,14 +54,16 @@ std::vector<std::string> ownCommand() {
 }
 
 // Engine and servo as children, which are started again when one dies. The engine's good end is that of both.
-void superviseBoth(const std::string& socket) {
+void superviseBoth(const Scene& scene) {
+  std::vector<std::string> servo = {servoProgram().string(), "--connect", socketOf(scene)};
+  if (scene.device_calibrated) servo.emplace_back("--calibrated");  // who says so starts both
   const SupervisionEnd end =
       supervise({{.name = "engine",
                   .argv = ownCommand(),
                   .essential = true,
                   .hopeless = {kBadInputStatus, kNotFoundStatus},
                   .patience_s = kEnginesEnd_s},
-                 {.name = "servo", .argv = {servoProgram().string(), "--connect", socket}, .essential = false}});
+                 {.name = "servo", .argv = std::move(servo), .essential = false, .patience_s = kServosEnd_s}});
   if (end.killed > 0) {
     throw Error(Error::Code::kDevice, "palpate serve --supervise",
                 fmt::format("{} of its processes did not end in time and were killed", end.killed),
@@ -65,11 +72,14 @@ void superviseBoth(const std::string& socket) {
 }
 
 // Does not return but with an error.
-[[noreturn]] void becomeServo(std::string socket, bool is_open) {
+[[noreturn]] void becomeServo(const std::string& socket, const std::vector<std::string>& more) {
   const std::filesystem::path program = servoProgram();
-  std::string name = program.string(), flag = "--connect", open = "--no-sandbox";
-  char* const words[] = {name.data(), flag.data(), socket.data(), is_open ? open.data() : nullptr, nullptr};
-  execv(program.c_str(), words);
+  std::vector<std::string> words = {program.string(), "--connect", socket};
+  words.insert(words.end(), more.begin(), more.end());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  execv(program.c_str(), pointers.data());
   throw Error(errno == ENOENT ? Error::Code::kNotFound : Error::Code::kIo, program.string(),
               fmt::format("the servo's program cannot be started ({})", std::strerror(errno)),
               "build it with ./dev build");
@@ -91,7 +101,7 @@ void addServeVerb(CLI::App& app) {
       if (scene.service_log == "json") setMessageForm(MessageForm::kJson);
       if (*supervised) {
         checkServable(scene);  // its errors are told once
-        return superviseBoth(socketOf(scene));
+        return superviseBoth(scene);
       }
       Progress progress;
       const bool has_file = arguments->source().ends_with(kSceneExtension);
@@ -116,7 +126,27 @@ void addServoVerb(CLI::App& app) {
       ->expected(0, 1);
   auto is_open = std::make_shared<bool>(false);
   verb->add_flag("--no-sandbox", *is_open, "keep all rights, so that a debugger can look into it");
-  verb->callback([socket, is_open] { becomeServo(socket->empty() ? usualSocket() : *socket, *is_open); });
+  auto is_calibrated = std::make_shared<bool>(false);
+  verb->add_flag("--calibrated", *is_calibrated, "believe an engine that says that the device is calibrated already");
+  auto ceilings = std::make_shared<std::vector<std::optional<double>>>(ceilingRows().size());
+  for (std::size_t i = 0; i < ceilings->size(); ++i) {
+    const CeilingRow& row = ceilingRows()[i];
+    verb->add_option(std::string(row.flag), (*ceilings)[i],
+                     fmt::format("{} [{}], whatever an engine asks for; '{}' in {}", row.help, row.unit, row.key,
+                                 "~/.config/palpate/servo.toml"))
+        ->check(CLI::Range(row.lowest, row.highest));
+  }
+  verb->callback([socket, is_open, is_calibrated, ceilings] {
+    std::vector<std::string> more;
+    if (*is_open) more.emplace_back("--no-sandbox");
+    if (*is_calibrated) more.emplace_back("--calibrated");
+    for (std::size_t i = 0; i < ceilings->size(); ++i) {
+      if (!(*ceilings)[i]) continue;
+      more.emplace_back(ceilingRows()[i].flag);
+      more.push_back(fmt::format("{}", *(*ceilings)[i]));
+    }
+    becomeServo(socket->empty() ? usualSocket() : *socket, more);
+  });
 }
 
 }  // namespace palpate

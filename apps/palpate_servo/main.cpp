@@ -4,7 +4,8 @@
 //
 // --channel N: for the engine that started it, at the descriptor N; ends with it. --connect SOCKET: for the engines
 // that listen there, one after another, until SIGTERM or SIGINT. Before either it gives up its rights
-// (service/sandbox), but for --no-sandbox behind them, with which a debugger can look into it.
+// (service/sandbox), but for --no-sandbox behind them, with which a debugger can look into it. Behind --connect may
+// also stand what it never exceeds (apps/servo_side/servo_ceilings.hpp), and --calibrated.
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -33,6 +34,10 @@ void askToStop(int) {
   stop_asked = 1;
 }
 
+void tell(const std::string& words) {
+  palpate::tellUser("servo: " + words);
+}
+
 // In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:
 // there is none.
 std::string ownFolder() {
@@ -49,43 +54,59 @@ void giveUpRights(bool is_made) {
 }
 
 // A signal to the whole group is the engine's to answer: the force goes to zero when its channel says so, or is closed.
-void serveMaker(const char* number) {
+void serveMaker(const char* number, const palpate::ServoCeilings& ceilings) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) static_cast<void>(std::signal(signal, SIG_IGN));
   const int descriptor = std::atoi(number);
   fcntl(descriptor, F_SETFD, FD_CLOEXEC);
-  palpate::ServoHost(false, palpate::programCommit()).serve(palpate::Channel(palpate::Descriptor(descriptor)));
+  palpate::ServoHost(false, palpate::programCommit(), tell, ceilings)
+      .serve(palpate::Channel(palpate::Descriptor(descriptor)));
 }
 
-void serveWhoeverListens(const char* socket) {
+void serveWhoeverListens(const char* socket, const palpate::ServoCeilings& ceilings) {
   for (const int signal : {SIGINT, SIGTERM}) static_cast<void>(std::signal(signal, askToStop));
   static_cast<void>(std::signal(SIGHUP, SIG_IGN));
   palpate::keepServo({.socket = socket,
                       .commit = palpate::programCommit(),
+                      .ceilings = ceilings,
                       .stopped = [] { return stop_asked != 0; },
-                      .tell = [](const std::string& words) { palpate::tellUser("servo: " + words); }});
+                      .tell = tell});
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool is_open = argc == 4 && std::strcmp(argv[3], "--no-sandbox") == 0;
-  const bool has_words = argc == 3 || is_open;
-  const bool is_made = has_words && std::strcmp(argv[1], "--channel") == 0;
-  const bool stays = has_words && std::strcmp(argv[1], "--connect") == 0;
-  if (!is_made && !stays) {
-    palpate::tellUser("palpate-servo: an engine starts it, or 'palpate servo --connect SOCKET'");
-    return kUsage;
-  }
+  const bool is_made = argc >= 3 && std::strcmp(argv[1], "--channel") == 0;
+  const bool stays = argc >= 3 && std::strcmp(argv[1], "--connect") == 0;
+  bool is_open = false, is_known = is_made || stays;
+  // Who starts an engine that starts its servo says of both whether the device is calibrated.
+  palpate::ServoCeilings ceilings{.takes_calibrated = is_made};
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
   try {
+    for (int i = 3; i < argc && is_known; ++i) {
+      const std::string word = argv[i];
+      if (word == "--no-sandbox") {
+        is_open = true;
+      } else if (stays && word == "--calibrated") {
+        ceilings.takes_calibrated = true;
+      } else {
+        is_known = stays && i + 1 < argc && palpate::setCeiling(ceilings, word, argv[i + 1]);
+        ++i;
+      }
+    }
+    if (!is_known) {
+      palpate::tellUser("palpate-servo: an engine starts it, or 'palpate servo --connect SOCKET'");
+      return kUsage;
+    }
+    ceilings = palpate::tighter(ceilings, palpate::ceilingsOfFile(palpate::ceilingsFile()));
     if (is_open) {
       palpate::tellUser("servo: --no-sandbox: it keeps all its rights, and is for debugging only");
     } else {
       giveUpRights(is_made);
     }
-    is_made ? serveMaker(argv[2]) : serveWhoeverListens(argv[2]);
+    is_made ? serveMaker(argv[2], ceilings) : serveWhoeverListens(argv[2], ceilings);
     return 0;
-  } catch (const palpate::Error& error) {  // the engine has been told, or is not there
+  } catch (const palpate::Error& error) {  // the engine has been told, or is not there; or a ceiling is none
+    if (error.code() == palpate::Error::Code::kBadInput && !is_made) palpate::tellError(error.what());
     return palpate::exitStatus(error.code());
   } catch (const std::exception& error) {
     palpate::tellError(error.what());

@@ -2,6 +2,7 @@
 #include "apps/servo_side/remote_servo.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -135,6 +136,7 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
   most_records_ =
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, loop.record_ticks < 0 ? loop.ticks : loop.record_ticks));
   make.doubtful = loop.instability.doubtful;
+  end_patience_ns_ = std::int64_t{MessageChannel::kPatience_ms} * 1'000'000 + std::llround(loop.safety.fade_s * 1e9);
   make.window_samples = memory_.capacity();
   make.told_ticks = memory_.tickCapacity();
   channel_.send(std::move(make), memory_.descriptor());
@@ -196,7 +198,7 @@ void RemoteServo::listen() {
       // One that hangs, or talks on, is not waited for without an end.
       const std::int64_t now_ns = monotonicNow_ns();
       if (stop_.load() && !stopping_since_ns) stopping_since_ns = now_ns;
-      if (stopping_since_ns && now_ns - *stopping_since_ns > std::int64_t{MessageChannel::kPatience_ms} * 1'000'000)
+      if (stopping_since_ns && now_ns - *stopping_since_ns > end_patience_ns_)
         throw Error(Error::Code::kDevice, "the servo", "its process does not end", "end it, and start again");
       if (!received) continue;
       if (const auto* const change = contentOf<wire::ChangeEndedT>(received->body)) {

@@ -98,6 +98,7 @@ class RemoteServo final : public ServoSide {
 
   MessageChannel channel_;
   const int loop_patience_ms_;
+  std::int64_t end_patience_ns_ = 0;  // from a request to stop: the force fades first
   std::unique_ptr<Proxy> device_;
   std::optional<PlacedScales> placed_;
   std::optional<RecordedContact> session_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -39,7 +40,8 @@ constexpr std::uint64_t kVersionsOfAnEngine = std::uint64_t{1} << 40U;  // windo
 
 class ServoHost::Impl {
  public:
-  Impl(bool stays, std::string commit, Tell tell) : stays_(stays), commit_(std::move(commit)), tell_(std::move(tell)) {}
+  Impl(bool stays, std::string commit, Tell tell, ServoCeilings ceilings)
+      : stays_(stays), commit_(std::move(commit)), tell_(std::move(tell)), ceilings_(ceilings) {}
   ~Impl() { stopLoop(); }
 
   void serve(Channel channel, const std::function<bool()>& stopped) {
@@ -203,6 +205,8 @@ class ServoHost::Impl {
   void makeDeviceFor(const wire::MakeDeviceT& make, const VolumeBox& box) {
     scene_ = Scene{};
     readSceneText(make.scene, "the engine's scene", {}, scene_);
+    told_clipped_.clear();
+    scene_ = within(ceilings_, std::move(scene_), [this](const std::string& words) { tellClipped(words); });
     if (stays_ && scene_.simulated_clock)
       refuse("--clock simulated", "a servo that stays runs by the real clock", "leave it out");
     objects_ = makeSceneObjects(scene_.objects);
@@ -233,7 +237,8 @@ class ServoHost::Impl {
       refuseOtherVersion("the engine", "it asks for a loop where none may be");
     volume_.scale = {.contrast = make.contrast, .voxel_m = make.voxel_m};
     volume_.objects = objects_.objects;
-    const RigSettings settings = settingsOf(make.settings);
+    RigSettings settings = settingsOf(make.settings);
+    settings.force_limit_N = mayBe(settings.force_limit_N);
     checkSetting(settings.force_limit_N > 0 && std::isfinite(settings.force_limit_N), "force limit",
                  settings.force_limit_N, "give newtons above 0");
     constexpr std::int64_t kMostTicks = std::int64_t{1} << 32U;
@@ -264,6 +269,15 @@ class ServoHost::Impl {
     }
     changes_before_ = changes_given_;
     channel_->send(wire::LoopMadeT{});
+  }
+
+  [[nodiscard]] double mayBe(double force_limit_N) {
+    return forceWithin(ceilings_, scene_, force_limit_N, [this](const std::string& words) { tellClipped(words); });
+  }
+
+  // The same words once for a device.
+  void tellClipped(const std::string& words) {
+    if (tell_ && told_clipped_.insert(words).second) tell_(words);
   }
 
   // The running loop tells its pose to the new engine, and goes over to its windows when there is one.
@@ -340,7 +354,7 @@ class ServoHost::Impl {
     if (change == nullptr) refuseOrder(body);
     ServoChange made;
     if (change->settings) made.algorithm = makeAlgorithm(settingsOf(change->settings), volume_);
-    if (change->force_limit_N > 0) made.force_limit_N = change->force_limit_N;
+    if (change->force_limit_N > 0) made.force_limit_N = mayBe(change->force_limit_N);
     made.doubtful = change->doubtful;
     changes_given_ = changes_->give(std::move(made));
   }
@@ -387,6 +401,8 @@ class ServoHost::Impl {
   const bool stays_;
   const std::string commit_;
   const Tell tell_;
+  const ServoCeilings ceilings_;
+  std::set<std::string> told_clipped_;
   std::optional<MessageChannel> channel_;  // to the present engine
   std::uint64_t engines_ = 0;              // that it has spoken with
   MadeFor made_for_;
@@ -412,8 +428,8 @@ class ServoHost::Impl {
   bool started_ = false, is_shared_ = false, ended_ = false;
 };
 
-ServoHost::ServoHost(bool stays, std::string commit, Tell tell)
-    : impl_(std::make_unique<Impl>(stays, std::move(commit), std::move(tell))) {}
+ServoHost::ServoHost(bool stays, std::string commit, Tell tell, ServoCeilings ceilings)
+    : impl_(std::make_unique<Impl>(stays, std::move(commit), std::move(tell), ceilings)) {}
 ServoHost::~ServoHost() = default;
 
 void ServoHost::serve(Channel channel, const std::function<bool()>& stopped) {

@@ -6,13 +6,14 @@
 // does not stay brings the force to zero and ends its run when the engine is gone. One that stays keeps device and loop
 // alive: the windows grow stale, the force fades by the loop's own rules, and the next engine of the same scene leads
 // the running loop to its windows (servo/loop/servo_links.hpp). An engine of another scene gets a device and a loop
-// that begin anew. One thread.
+// that begin anew. No engine gets more than the servo's own ceilings allow. One thread.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "apps/servo_side/servo_ceilings.hpp"
 #include "service/channel/channel.hpp"
 
 namespace palpate {
@@ -20,9 +21,10 @@ namespace palpate {
 class ServoHost {
  public:
   using Tell = std::function<void(const std::string&)>;
-  // `commit`: of this program, which must be the engine's. `tell`: of a servo that stays, what real time its loop
-  // lacks, that it begins, and that an engine sends no windows, or sends them again; no result would say it.
-  ServoHost(bool stays, std::string commit, Tell tell = {});
+  // `commit`: of this program, which must be the engine's. `tell`: what an engine asked for above the ceilings; and of
+  // a servo that stays, what real time its loop lacks, that it begins, and that an engine sends no windows, or sends
+  // them again; no result would say it.
+  ServoHost(bool stays, std::string commit, Tell tell = {}, ServoCeilings ceilings = {});
   ~ServoHost();  // the force goes to zero; the device is let go
 
   // Until the run that this engine asks for has ended, the engine says that it leaves, or `stopped` says so, which is

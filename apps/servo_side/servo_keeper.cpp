@@ -20,7 +20,8 @@ constexpr int kLooksForAnEngine = 10, kLooksAfterTrouble = 100;
 
 class ServoKeeper {
  public:
-  explicit ServoKeeper(const ServoKeeping& keeping) : keeping_(keeping), host_(true, keeping.commit, keeping.tell) {}
+  explicit ServoKeeper(const ServoKeeping& keeping)
+      : keeping_(keeping), host_(true, keeping.commit, keeping.tell, keeping.ceilings) {}
 
   void run() {
     while (!keeping_.stopped()) {

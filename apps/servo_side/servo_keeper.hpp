@@ -8,14 +8,17 @@
 #include <functional>
 #include <string>
 
+#include "apps/servo_side/servo_ceilings.hpp"
+
 namespace palpate {
 
 struct ServoKeeping {
   std::string socket;  // that engines listen at
   std::string commit;  // of this program
+  ServoCeilings ceilings = {};
   std::function<bool()> stopped;
-  // That an engine came, went or was refused, the same words once; that one sends no windows, or does again
-  // (stale_watch.hpp); and what real time a loop lacks, once for each loop.
+  // That an engine came, went, was refused, or asked for more than the ceilings allow, the same words once; that one
+  // sends no windows, or does again (stale_watch.hpp); and what real time a loop lacks, once for each loop.
   std::function<void(const std::string&)> tell;
 };
 

@@ -19,11 +19,11 @@ class ServoProcess {
   // be started.
   ServoProcess();
   // Waits for its end, since it has a device to bring to rest: for kPatience_ms, then it is killed. Close the channel
-  // before.
+  // before. The longest fade that a scene may ask for takes 10 s.
   ~ServoProcess();
   ServoProcess(const ServoProcess&) = delete;
   ServoProcess& operator=(const ServoProcess&) = delete;
-  static constexpr int kPatience_ms = 3000;
+  static constexpr int kPatience_ms = 13'000;
 
   [[nodiscard]] Channel takeChannel() noexcept { return std::move(channel_); }  // once
   [[nodiscard]] pid_t id() const noexcept { return id_; }

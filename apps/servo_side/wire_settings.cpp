@@ -117,6 +117,9 @@ wire::DeviceMadeT wireOf(const Device& device) {
   wire.sets_pace = limits.sets_pace;
   wire.stiffness_limit_N_per_m = limits.stiffness_limit_N_per_m;
   wire.workspace_radius_m = limits.workspace_radius_m;
+  wire.is_held = limits.is_held;
+  wire.motion_speed_m_per_s = limits.motion.speed_m_per_s;
+  wire.motion_acceleration_m_per_s2 = limits.motion.acceleration_m_per_s2;
   for (const HandParameters& hand : device.hands()) {
     wire.hands.push_back(std::make_unique<wire::HandT>());
     wire::HandT& to = *wire.hands.back();
@@ -144,7 +147,10 @@ DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
           .sets_pace = wire.sets_pace,
           .follows_force = wire.follows_force,
           .stiffness_limit_N_per_m = wire.stiffness_limit_N_per_m,
-          .workspace_radius_m = wire.workspace_radius_m};
+          .workspace_radius_m = wire.workspace_radius_m,
+          .is_held = wire.is_held,
+          .motion = {.speed_m_per_s = wire.motion_speed_m_per_s,
+                     .acceleration_m_per_s2 = wire.motion_acceleration_m_per_s2}};
 }
 
 std::vector<HandParameters> handsOf(const wire::DeviceMadeT& wire) {

@@ -5,8 +5,7 @@
 // Frames: everything is in the world W [m, m/s, N]. Normals point out of the object: N = -grad / |grad|.
 // Force convention, stated once: d = VHIP - HIP points out of the object, and F = K d - B v_d. v_d is the part of the
 // HIP's velocity along N. So F pushes the device out and damps its motion along N.
-// Thread: only the servo calls tick() and resume(); no heap, lock, system call or throw. reset() is called before the
-// loop starts.
+// Thread: only the servo calls these, reset() also before the loop starts; no heap, lock, system call or throw.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +56,7 @@ struct TickOutput {
 class Algorithm {
  public:
   virtual ~Algorithm() = default;
-  // Forgets all state and puts the VHIP at `hip_W`. Not in the loop.
+  // Forgets all state and puts the VHIP at `hip_W`, as at the start of a run: a contact begins from outside.
   virtual void reset(const Vec3& hip_W) noexcept = 0;
   // Forgets all state and takes over from another algorithm in the loop. The tool was last known to be outside at
   // `free_W`. The next tick searches the line from there to the HIP, so that a contact goes on.

@@ -15,6 +15,7 @@
 
 #include "base/vec.hpp"
 #include "servo/devices/hand_dynamics.hpp"
+#include "servo/devices/hand_motion.hpp"
 
 namespace palpate {
 
@@ -49,6 +50,8 @@ struct DeviceLimits {
   bool follows_force = true;           // false: no force moves it, so no contact with it can be unstable
   double stiffness_limit_N_per_m = 0;  // stiffest contact that its maker states; 0: not stated [N/m]
   double workspace_radius_m = 0;       // around its origin; 0: not stated [m]
+  bool is_held = false;      // a person holds it, and its motors move that hand: no force of it may begin at once
+  MotionBounds motion = {};  // what its handle can do
 };
 
 class Device {
@@ -81,6 +84,10 @@ class Device {
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
   // Whether its handle's switch is pressed; servo thread, after read().
   [[nodiscard]] virtual bool pressed() const noexcept { return false; }
+  // No motion leads to the position that the last read() gave: a run begins there, or goes on there. Servo thread.
+  virtual void beginAnew() noexcept {}
+  // The last tick of a run is over: what follows only brings the force to zero. Servo thread.
+  virtual void endRun() noexcept {}
   // The force with which the end of its workspace pushes the handle back, at the position that the last read() gave.
   // The servo adds it to the contact's, in front of the safety gate.
   [[nodiscard]] virtual DeviceBoundary boundary() const noexcept { return {}; }

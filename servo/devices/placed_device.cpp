@@ -45,6 +45,8 @@ DeviceLimits PlacedDevice::limits() const noexcept {
   limits.position_resolution_m *= placement_.scale;
   limits.stiffness_limit_N_per_m /= placement_.scale * placement_.force_scale;
   limits.workspace_radius_m *= placement_.scale;
+  limits.motion.speed_m_per_s *= placement_.scale;
+  limits.motion.acceleration_m_per_s2 *= placement_.scale;
   return limits;
 }
 
@@ -66,23 +68,39 @@ ForceOff PlacedDevice::forceOff() const noexcept {
   return was_clutched_.load(std::memory_order_relaxed) ? ForceOff::kClutched : ForceOff::kNone;
 }
 
+void PlacedDevice::beginEdge() noexcept {
+  edge_m_ = std::max(radius_m_, position_D_.norm());
+}
+
+void PlacedDevice::beginAnew() noexcept {
+  beginEdge();
+  device_->beginAnew();
+}
+
 bool PlacedDevice::read(Vec3& position_W) noexcept {
   Vec3 position_D = position_D_;
-  if (!device_->read(position_D)) return false;
+  if (!device_->read(position_D)) {
+    was_off_ = was_off_ || forceOff() != ForceOff::kNone;
+    return false;
+  }
   const bool clutched = this->clutched();
   if (!has_read_ && begins_at_place_) shift_D_ = position_D;
   if (has_read_ && (clutched || was_clutched_.load(std::memory_order_relaxed))) shift_D_ += position_D - position_D_;
   was_clutched_.store(clutched, std::memory_order_relaxed);
   has_read_ = true;
   position_D_ = position_D;
+  const bool is_off = forceOff() != ForceOff::kNone;
+  if (is_off || was_off_) beginEdge();
+  edge_m_ = std::max(radius_m_, std::min(edge_m_, position_D_.norm()));
+  was_off_ = is_off;
   position_W = placement_.at_W + placement_.scale * (placement_.R_WD * (position_D_ - shift_D_));
   return true;
 }
 
 DeviceBoundary PlacedDevice::boundary() const noexcept {
   const double far_m = position_D_.norm();
-  if (!(radius_m_ > 0) || far_m <= radius_m_ || clutched()) return {};
-  const double beyond_m = far_m - radius_m_;
+  if (!(radius_m_ > 0) || far_m <= edge_m_ || clutched()) return {};
+  const double beyond_m = far_m - edge_m_;
   const double force_N = placement_.edge_stiffness_N_per_m * beyond_m;
   const Vec3 force_D = -force_N / far_m * position_D_;
   return {placement_.R_WD * force_D / placement_.force_scale,

@@ -10,7 +10,9 @@
 //   A device that no force moves (SpaceMouse) begins at `at`, wherever it was moved before it was placed.
 //   One device may be placed again, one placement after another: only one of them may be in a loop.
 //   Beyond its workspace's radius a spring pushes the handle back, so that the end of the workspace is felt before the
-// mechanics stop.
+// mechanics stop. A hand that begins outside is not pushed: there the edge begins where the hand is, and follows it in,
+// never out. It begins anew with a run, after a jump, and when the device exerts forces again: calibrated, connected,
+// or let go by its clutch. It moves only where its spring is slack, so this gives no energy.
 // Frame W: world [m, N]. Threads as in device.hpp; no heap after construction.
 #pragma once
 
@@ -49,6 +51,8 @@ class PlacedDevice final : public Device {
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return device_->reportAge_ns(); }
   [[nodiscard]] bool pressed() const noexcept override { return device_->pressed(); }
+  void beginAnew() noexcept override;
+  void endRun() noexcept override { device_->endRun(); }
   [[nodiscard]] DeviceBoundary boundary() const noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override;
@@ -56,10 +60,13 @@ class PlacedDevice final : public Device {
  private:
   [[nodiscard]] bool clutched() const noexcept { return placement_.clutch && device_->pressed(); }
   [[nodiscard]] Vec3 toDevice(const Vec3& force_W) const noexcept;
+  void beginEdge() noexcept;
 
   std::shared_ptr<Device> device_;
   Placement placement_;
   double radius_m_;       // of the device's workspace, in D; 0: none is stated
+  double edge_m_ = 0;     // where its edge is now, in D; radius_m_ at the least
+  bool was_off_ = true;   // no force was exerted at the last read
   bool begins_at_place_;  // its first position is `at`
   Vec3 position_D_ = Vec3::Zero(), shift_D_ = Vec3::Zero();
   bool has_read_ = false;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
@@ -16,13 +17,12 @@
 namespace palpate {
 namespace {
 
-constexpr double kFastest_m_per_s = 10;  // a hand's fastest punch
-constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
-constexpr double kLongestLeap_m = 0.1;   // however long it said nothing: half a second is enough for a new start
-constexpr double kForgets_s = 0.5;       // of silence; the firmware takes 1 s to start
-constexpr int kSureReports = 3;          // in a row that say that the button is pressed
-constexpr double kJustBefore_s = 0.1;    // so long before it was seen not pressed
-constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
+constexpr int kMostLeaps = 3;           // in a row: the device does count from elsewhere
+constexpr double kLongestLeap_m = 0.1;  // however long it said nothing: half a second is enough for a new start
+constexpr double kForgets_s = 0.5;      // of silence; the firmware takes 1 s to start
+constexpr int kSureReports = 3;         // in a row that say that the button is pressed
+constexpr double kJustBefore_s = 0.1;   // so long before it was seen not pressed
+constexpr int kAskAgain = 100;          // reports after which a calibration that was not heard is told again
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
 constexpr std::size_t kPacedReports = 16;  // by which the pace of its reports is known
@@ -49,6 +49,10 @@ const PolhemParameters& checked(const PolhemParameters& p) {
     checkSetting(joint.counts_per_turn > 0, "counts of an encoder", joint.counts_per_turn, "give counts above 0");
   }
   checkSetting(p.current_limit_A >= 0, "current limit", p.current_limit_A, "give amperes above 0, or 0: not known");
+  checkSetting(p.continuous_current_A >= 0, "continuous current", p.continuous_current_A,
+               "give amperes above 0, or 0: as much as the limit");
+  checkSetting((p.continuous_current_A > 0) == (p.heating_s > 0), "time constant of heating", p.heating_s,
+               "give continuous_current_A and heating_s both, or neither");
   checkSetting(p.force_limit_N >= 0, "force limit", p.force_limit_N, "give 0 N or more");
   checkSetting(p.slew_limit_N_per_s >= 0, "slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
   for (const int home : p.home_counts) {
@@ -105,6 +109,8 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       use_(use),
       arm_(parameters.joints, parameters.origin_m),
       link_(std::move(open), linkSettings(parameters, use, garbage_)),
+      motion_(kHandMotion, arm_.resolution_m(arm_.anglesAt(Vec3::Zero()).value_or(Vec3::Zero()))),
+      heat_(parameters.continuous_current_A, parameters.heating_s),
       calibrated_(use.calibrated) {
   link_.listen(kListen_ms);
   if (!use_.simulated_clock) link_.start();
@@ -172,7 +178,9 @@ DeviceLimits PolhemDevice::limits() const noexcept {
           .sets_pace = !use_.simulated_clock,
           .follows_force = true,
           .stiffness_limit_N_per_m = parameters_.stiffness_limit_N_per_m,
-          .workspace_radius_m = parameters_.workspace_radius_m};
+          .workspace_radius_m = parameters_.workspace_radius_m,
+          .is_held = true,
+          .motion = kHandMotion};
 }
 
 std::vector<HandParameters> PolhemDevice::hands() const {
@@ -222,6 +230,7 @@ void PolhemDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     link_.exchange();
     ++silent_ticks_;
+    ++ticks_since_write_;
     take(link_.newest());
   }
 }
@@ -239,6 +248,7 @@ void PolhemDevice::countFrom(const PolhemCounts& raw) noexcept {
   for (std::size_t k = 0; k < 3; ++k) counts_[k] = raw[k];
   raw_ = raw;
   leaps_ = 0;
+  motion_.begin();
 }
 
 // Counts have 16 bits: an encoder that turns on beyond them begins anew at the other end.
@@ -254,17 +264,21 @@ double PolhemDevice::silence_s() const noexcept {
   return silent_ticks_ / use_.rate_hz;
 }
 
-// How far a hand can have moved the handle since the last report that counted told where it was. A thread that reads
-// late knows since when that may have been. While the device was silent it may have been anywhere, and so may its
-// counts, so that time counts for little.
-double PolhemDevice::longestWay_m(const Received& received) const noexcept {
-  double silent_s = silence_s(), late_s = 0;
-  if (!use_.simulated_clock) {
-    silent_s = static_cast<double>(received.silent_ns - silent_ns_) / kNanosecondsPerSecond;
-    late_s = std::max(0.0, static_cast<double>(received.time_ns - asked_ns_) / kNanosecondsPerSecond - silent_s);
-  }
-  return std::max(kFastest_m_per_s * late_s + std::min(kFastest_m_per_s * silent_s, kLongestLeap_m),
-                  kFastest_m_per_s / use_.rate_hz);
+// Since the last report that counted told where the handle was. A thread that reads late knows since when that may have
+// been.
+PolhemDevice::Interval PolhemDevice::intervalTo(const Received& received) const noexcept {
+  const double tick_s = 1 / use_.rate_hz;
+  if (use_.simulated_clock) return {std::max(tick_s, silence_s()), 0, std::max(0.0, silence_s() - tick_s)};
+  const auto seconds = [](std::int64_t time_ns) { return static_cast<double>(time_ns) / kNanosecondsPerSecond; };
+  return {std::max(tick_s, seconds(received.time_ns - received_ns_)), seconds(received_ns_ - asked_ns_),
+          seconds(received.silent_ns - silent_ns_)};
+}
+
+// While the device was silent it may have been anywhere, and so may its counts: that time counts for little.
+double PolhemDevice::longestWay_m(const Interval& since) const noexcept {
+  const double spoken_s = std::max(1 / use_.rate_hz, since.time_s - since.silent_s);
+  return std::min(motion_.longestWay_m(since.time_s, since.waited_s),
+                  motion_.longestWay_m(spoken_s, since.waited_s) + (since.silent_s > 0 ? kLongestLeap_m : 0));
 }
 
 // The firmware holds what the button asked until it is told to count from home, which it then does from where the
@@ -306,7 +320,7 @@ void PolhemDevice::take(const Received& received) noexcept {
     countFrom(state->counts);
   } else if (begins) {
     countFrom(state->counts);
-  } else if (!follows(state->counts, longestWay_m(received))) {
+  } else if (!follows(state->counts, intervalTo(received))) {
     return;
   }
   heedButton(state->asks_for_calibration, !begins && since_s <= kJustBefore_s);
@@ -322,14 +336,17 @@ void PolhemDevice::take(const Received& received) noexcept {
 
 // Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed. After a leap,
 // what lies nearer to it than to where the handle was leaps, too, however much time has passed meanwhile.
-bool PolhemDevice::follows(const PolhemCounts& raw, double longest_m) noexcept {
+bool PolhemDevice::follows(const PolhemCounts& raw, const Interval& since) noexcept {
   const ArmCounts before = counts_;
   const PolhemCounts raw_before = raw_;
   const int leaps = leaps_;
   countOn(raw);
   const Vec3 at_A = arm_.position(arm_.angles(counts_));
   const double way_m = (at_A - position_A_).norm();
-  if (way_m <= longest_m && (leaps == 0 || way_m < (at_A - leapt_to_A_).norm())) return true;
+  if (way_m <= longestWay_m(since) && (leaps == 0 || way_m < (at_A - leapt_to_A_).norm())) {
+    motion_.believe(way_m, since.time_s, since.waited_s);
+    return true;
+  }
   countOne(implausible_);
   if (leaps + 1 < kMostLeaps) {
     counts_ = before;
@@ -363,17 +380,26 @@ Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcep
   const Vec3 currents_A = arm_.currents(toArm(force_D), angles_);
   const double largest_A = currents_A.cwiseAbs().maxCoeff();
   share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
+  share = std::min(share, heat_.share(currents_A));
   const double size_N = force_D.stableNorm();
   if (size_N * share > parameters_.force_limit_N) share = parameters_.force_limit_N / size_N;
   return share * currents_A;
 }
 
+double PolhemDevice::sinceWrite_s() noexcept {
+  if (use_.simulated_clock) return std::exchange(ticks_since_write_, 0) / use_.rate_hz;
+  const std::int64_t now_ns = monotonicNow_ns(), before_ns = std::exchange(written_ns_, now_ns);
+  return before_ns == 0 ? 0 : static_cast<double>(now_ns - before_ns) / kNanosecondsPerSecond;
+}
+
 // A device that is not there exerts no force, so it takes any as none, and a contact begins from none when it is back.
 bool PolhemDevice::write(const Vec3& force_D) noexcept {
   if (!force_D.allFinite()) return false;
+  heat_.pass(std::exchange(flowing_A_, Vec3(Vec3::Zero())), sinceWrite_s());
   if (!link_.connected()) return true;
   double share = 0;
   const Vec3 currents_A = currentsFor(force_D, share);
+  flowing_A_ = currents_A;
   PolhemCommand command;
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   for (int k = 0; k < 3; ++k) {

@@ -8,11 +8,13 @@
 // its own. The servo takes a device that is not there as one that holds no force.
 //   Two firmwares with the same USB numbers drive amplifiers of 3 A and 6 A; a current above the amplifier's saturates
 // it. So forces stay off until the limit is given.
-//   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
-// counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
-// What counts as an answer to a calibration came after the device was told, over the same connection. The button counts
-// if it was seen not pressed a moment before, and pressed in several reports: what was pressed at some time before,
-// when the handle may have been elsewhere, makes the device uncalibrated.
+//   A report that is none, or whose position no hand can reach in the time (hand_motion.hpp), is counted and not used.
+//   If
+// three in a row say so, the device counts from elsewhere: it has been switched off meanwhile, or a joint has slipped
+// on its capstan. Then it is not calibrated any more, and every position would be wrong. What counts as an answer to a
+// calibration came after the device was told, over the same connection. The button counts if it was seen not pressed a
+// moment before, and pressed in several reports: what was pressed at some time before, when the handle may have been
+// elsewhere, makes the device uncalibrated.
 //   A device that says nothing usable for 0.5 s may have been switched off and on.
 //   A force waits for the next report, so the pace of the reports, measured when the device is opened, is its delay.
 // Frame D, the device's: x to the right, y up, z towards the user, 0 in the middle of the workspace [m, N].
@@ -24,8 +26,10 @@
 #include <cstdint>
 
 #include "servo/devices/arm_kinematics.hpp"
+#include "servo/devices/current_heat.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/devices/polhem_report.hpp"
+#include "servo/devices/registry.hpp"
 #include "servo/devices/report_link.hpp"
 
 namespace palpate {
@@ -40,12 +44,17 @@ struct PolhemParameters {
   Vec3 origin_m = {0.14, 0, 0.1};
   std::array<int, 3> home_counts = {0, 0, -5000};  // what encoders a to c count in the home position
   double current_limit_A = 0;                      // of the firmware; 0: not given, and forces stay off
+  double continuous_current_A = 0;                 // that motors and amplifiers bear for ever; 0: as much as the limit
+  double heating_s = 0;                            // time constant of their heating; 0: none is given
   double force_limit_N = 5;
   double slew_limit_N_per_s = 0;  // 0: not stated
   double stiffness_limit_N_per_m = 800;
   double workspace_radius_m = 0.1;
   double mass_kg = 0.15, damping_Ns_per_m = 0.5;
 };
+
+// Those of a kind in the table of devices, by their keys; what is not given has its usual value. Set-up code.
+[[nodiscard]] PolhemParameters polhemParametersOf(const DeviceValues& values);
 
 // Throws Error(kBadInput) for parameters that no arm can have.
 void checkPolhem(const PolhemParameters& parameters);
@@ -80,6 +89,10 @@ class PolhemDevice final : public Device {
   [[nodiscard]] const ArmCounts& counts() const noexcept { return counts_; }
 
  private:
+  struct Interval {  // of two reports [s]
+    double time_s, waited_s;
+    double silent_s;  // of the time: beyond what a report takes it said nothing
+  };
   void take(const Received& received) noexcept;
   void measurePace();
   [[nodiscard]] int delayTicks() const noexcept;
@@ -87,12 +100,14 @@ class PolhemDevice final : public Device {
   void tell(Pending what) noexcept;
   void heedButton(bool asks, bool just_before) noexcept;
   [[nodiscard]] double silence_s() const noexcept;
-  [[nodiscard]] bool follows(const PolhemCounts& raw, double longest_m) noexcept;
+  [[nodiscard]] bool follows(const PolhemCounts& raw, const Interval& since) noexcept;
   void countFrom(const PolhemCounts& raw) noexcept;
   void countOn(const PolhemCounts& raw) noexcept;
   [[nodiscard]] bool isThere() const noexcept;
-  [[nodiscard]] double longestWay_m(const Received& received) const noexcept;
+  [[nodiscard]] Interval intervalTo(const Received& received) const noexcept;
+  [[nodiscard]] double longestWay_m(const Interval& interval) const noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
+  [[nodiscard]] double sinceWrite_s() noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
 
   PolhemParameters parameters_;
@@ -113,11 +128,16 @@ class PolhemDevice final : public Device {
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
-  int leaps_ = 0;                                           // in a row
+  MotionLaw motion_;
+  int leaps_ = 0;  // in a row
   Vec3 leapt_to_A_ = Vec3::Zero();
   int asked_reports_ = 0;        // in a row in which the button asks for a calibration
   bool is_pressed_now_ = false;  // it was seen not to ask a moment before the first of them
   Pending pending_ = Pending::kNothing;
+  CurrentHeat heat_;
+  Vec3 flowing_A_ = Vec3::Zero();  // since the last write
+  std::int64_t written_ns_ = 0;    // when that was; by the simulated clock unused
+  int ticks_since_write_ = 0;      // simulated clock
   std::atomic<bool> calibrated_;
   std::atomic<std::uint64_t> implausible_{0}, calibrations_{0};
 };

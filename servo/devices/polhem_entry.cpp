@@ -30,6 +30,8 @@ constexpr ParameterRow<Arm> row(std::string_view key, std::string_view unit, dou
 constexpr ParameterRow<Arm> kPolhemRows[] = {
     memberRow<Arm, &Arm::report_bytes>("report_bytes", "bytes", 14, 64, "size of its reports: 14, or 64 on Teensy boards"),
     memberRow<Arm, &Arm::current_limit_A>("current_limit_A", "A", 0, 20, "what its firmware's amplifiers bear; 0: not known, and forces stay off"),
+    memberRow<Arm, &Arm::continuous_current_A>("continuous_current_A", "A", 0, 20, "what its motors and amplifiers bear for ever, less than the limit; 0: as much"),
+    memberRow<Arm, &Arm::heating_s>("heating_s", "s", 0, 1000, "time constant with which they heat above it; 0: none, needed with it"),
     memberRow<Arm, &Arm::force_limit_N>("force_limit_N", "N", 0, 1000, "largest force at the handle"),
     memberRow<Arm, &Arm::slew_limit_N_per_s>("slew_limit_N_per_s", "N/s", 0, 1e9, "fastest change of force, 0: not stated"),
     memberRow<Arm, &Arm::stiffness_limit_N_per_m>("stiffness_limit_N_per_m", "N/m", 0, 1e6, "stiffest wall that its maker states, 0: not stated"),
@@ -68,10 +70,14 @@ std::unique_ptr<Device> makePolhem(const DeviceSetup& setup) {
                       .rate_hz = setup.rate_hz,
                       .calibrated = setup.calibrated,
                       .thread_begins = setup.thread_begins};
-  return std::make_unique<PolhemDevice>(given<Arm>(kPolhemRows, setup), use, setup.open);
+  return std::make_unique<PolhemDevice>(polhemParametersOf(setup.values), use, setup.open);
 }
 
 }  // namespace
+
+PolhemParameters polhemParametersOf(const DeviceValues& values) {
+  return given<Arm>(kPolhemRows, {.values = values});
+}
 
 DeviceEntry polhemEntry() {
   return {.name = "polhem-family",
@@ -79,7 +85,7 @@ DeviceEntry polhemEntry() {
           .needs_port = true,
           .parameters = parametersOf<kPolhemRows>,
           .make = makePolhem,
-          .check = [](const DeviceValues& values) { checkPolhem(given<Arm>(kPolhemRows, {.values = values})); }};
+          .check = [](const DeviceValues& values) { checkPolhem(polhemParametersOf(values)); }};
 }
 
 }  // namespace palpate

@@ -20,8 +20,9 @@ constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
 constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0xffffff;
-constexpr unsigned kOffShift = 24;      // why there is no force lies in the high byte of the periods
-constexpr double kMostRate_hz = 20000;  // ServoLoop's
+constexpr unsigned kOffShift = 24;  // why there is no force lies in the high byte of the periods
+constexpr std::uint8_t kFollows = 1, kIsHeld = 2, kSetsPace = 4, kMoves = 8;  // what is true of the device
+constexpr double kMostRate_hz = 20000;                                        // ServoLoop's
 constexpr int kMostDelay_ticks = 10000;
 
 template <class T>
@@ -71,7 +72,11 @@ std::string headerBytes(const Recording& r) {
                              r.limits.stiffness_limit_N_per_m, r.limits.workspace_radius_m})
     put(bytes, limit);
   put(bytes, static_cast<std::int32_t>(r.limits.force_delay_ticks));
-  put(bytes, static_cast<std::uint8_t>(r.limits.follows_force));
+  const DeviceLimits& l = r.limits;
+  put(bytes, static_cast<std::uint8_t>((l.follows_force ? kFollows : 0) | (l.is_held ? kIsHeld : 0) |
+                                       (l.sets_pace ? kSetsPace : 0) | kMoves));
+  put(bytes, l.motion.speed_m_per_s);
+  put(bytes, l.motion.acceleration_m_per_s2);
   put(bytes, static_cast<std::uint8_t>(r.hands.size()));
   for (const HandParameters& h : r.hands) {
     for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
@@ -149,9 +154,10 @@ std::optional<std::vector<RecordedTick>> ticksOf(std::string_view block, std::ui
 bool canBe(const Recording& r) {
   const DeviceLimits& l = r.limits;
   bool can = r.rate_hz >= 1 && r.rate_hz <= kMostRate_hz && l.force_delay_ticks >= 0 &&
-             l.force_delay_ticks <= kMostDelay_ticks;
+             l.force_delay_ticks <= kMostDelay_ticks && l.motion.speed_m_per_s > 0;
   for (const double limit : {l.force_limit_N, l.position_resolution_m, l.slew_limit_N_per_s, l.stiffness_limit_N_per_m,
-                             l.workspace_radius_m, r.contact.stiffness_N_per_m, r.contact.damping_Ns_per_m})
+                             l.workspace_radius_m, l.motion.speed_m_per_s, l.motion.acceleration_m_per_s2,
+                             r.contact.stiffness_N_per_m, r.contact.damping_Ns_per_m})
     can = can && limit >= 0 && std::isfinite(limit);
   for (const HandParameters& h : r.hands) {
     for (const double value : {h.hand_mass_kg, h.hand_damping_Ns_per_m, h.hand_stiffness_N_per_m, h.device_mass_kg,
@@ -171,7 +177,14 @@ Recording takeHeader(Taker& taker) {
                         &r.limits.stiffness_limit_N_per_m, &r.limits.workspace_radius_m})
     *limit = taker.take<double>();
   r.limits.force_delay_ticks = taker.take<std::int32_t>();
-  r.limits.follows_force = taker.take<std::uint8_t>() != 0;
+  const auto traits = taker.take<std::uint8_t>();
+  r.limits.follows_force = (traits & kFollows) != 0;
+  r.limits.is_held = (traits & kIsHeld) != 0;
+  r.limits.sets_pace = (traits & kSetsPace) != 0;
+  if ((traits & kMoves) != 0) {
+    r.limits.motion.speed_m_per_s = taker.take<double>();
+    r.limits.motion.acceleration_m_per_s2 = taker.take<double>();
+  }
   r.hands.resize(taker.take<std::uint8_t>());
   for (HandParameters& h : r.hands) {
     for (double* value : {&h.hand_mass_kg, &h.hand_damping_Ns_per_m, &h.hand_stiffness_N_per_m, &h.device_mass_kg,

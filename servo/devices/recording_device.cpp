@@ -19,7 +19,7 @@ void RecordingDevice::elapse(int ticks) noexcept {
 }
 
 bool RecordingDevice::read(Vec3& position_W) noexcept {
-  if (ticks_.size() < ticks_.capacity()) {
+  if (!has_ended_ && ticks_.size() < ticks_.capacity()) {
     ticks_.emplace_back();
     now_ = &ticks_.back();
   } else {
@@ -32,6 +32,12 @@ bool RecordingDevice::read(Vec3& position_W) noexcept {
   now_->pressed = device_->pressed();
   now_->force_off = device_->forceOff();
   return now_->answered;
+}
+
+void RecordingDevice::endRun() noexcept {
+  has_ended_ = true;
+  now_ = &unkept_;
+  device_->endRun();
 }
 
 std::int64_t RecordingDevice::reportAge_ns() const noexcept {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/devices/recording_device.hpp: a device that keeps all that it and the servo say to each other.
 //
-// Memory for `most_ticks` reads is taken in the constructor; what comes after them is not kept. Threads as in
-// device.hpp; recording() after the loop has ended.
+// Memory for `most_ticks` reads is taken in the constructor; what comes after them, or after the run, is not kept.
+// Threads as in device.hpp; recording() after the loop has ended.
 #pragma once
 
 #include <atomic>
@@ -27,6 +27,8 @@ class RecordingDevice final : public Device {
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
   [[nodiscard]] bool pressed() const noexcept override { return device_->pressed(); }
+  void beginAnew() noexcept override { device_->beginAnew(); }
+  void endRun() noexcept override;
   [[nodiscard]] DeviceBoundary boundary() const noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override;
@@ -41,6 +43,7 @@ class RecordingDevice final : public Device {
   mutable RecordedTick unkept_;
   mutable RecordedTick* now_ = &unkept_;
   std::int32_t elapsed_ = 0;
+  bool has_ended_ = false;
 };
 
 // Plays a recording back, read by read: the same positions, ages, refusals and held forces, whatever the servo does.

@@ -40,6 +40,7 @@ SafetyParameters withinDevice(SafetyParameters safety, const Device& device) {
   if (limits.force_limit_N > 0) safety.force_limit_N = std::min(safety.force_limit_N, limits.force_limit_N);
   if (limits.slew_limit_N_per_s > 0)
     safety.slew_limit_N_per_s = std::min(safety.slew_limit_N_per_s, limits.slew_limit_N_per_s);
+  if (limits.is_held) safety.start_s = std::max(safety.start_s, SafetyParameters::kHeldStart_s);
   return safety;
 }
 
@@ -106,6 +107,9 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       guard_(parameters.instability, device.limits(), parameters.rate_hz),
       velocity_(velocityFor(device, parameters.velocity), parameters.rate_hz),
       recorder_(recordCapacity(parameters)),
+      motion_(device.limits().motion, device.limits().position_resolution_m),
+      position_waits_s_(device.limits().sets_pace ? parameters.safety.report_timeout_s : 0),
+      begins_(device.limits().is_held),
       most_force_N_(mostForce(device)),
       change_ticks_(std::max<std::int64_t>(1, std::llround(kChangeOver_s * parameters.rate_hz))) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {
@@ -153,7 +157,8 @@ LoopResult ServoLoop::runSimulated(const Hook& before_tick) {
     record.density = densityAt(window, hip_W_);
     if (live_ != nullptr) live_->add(record);
   }
-  endForce([] {});
+  const auto period_ns = offset_ns(1);
+  endForce([&] { return period_ns; });
   return result();
 }
 
@@ -216,7 +221,11 @@ void ServoLoop::runOnGrid(Clock& clock) {
     ticks_skipped_ += next - tick;
     tick = next;
   }
-  endForce([&] { clock.sleepUntil(clock.now_ns() + offset_ns(1)); });
+  endForce([&] {
+    const std::int64_t before_ns = clock.now_ns();
+    clock.sleepUntil(before_ns + offset_ns(1));
+    return clock.now_ns() - before_ns;
+  });
 }
 
 // One tick, from reading the device to writing it. Gives the window that it used, valid until the next tick.
@@ -242,8 +251,11 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
     out.vhip_W = hip_W_;
     out.stored_J = std::numeric_limits<double>::quiet_NaN();
   }
-  if (const ForceOff off = device_.forceOff(); off != ForceOff::kNone && off != ForceOff::kInputOnly)
+  if (const ForceOff off = device_.forceOff(); off != ForceOff::kNone && off != ForceOff::kInputOnly) {
     faults |= bit(ServoFault::kForceOff);
+    if (off != ForceOff::kClutched) gate_.beginAnew();
+  }
+  if (gate_.isStall(gap_ns)) device_.beginAnew();
   const double share = guard_.share();
   Vec3 pushed_W = share * out.force_W;
   double stored_J = share * out.stored_J;
@@ -315,6 +327,7 @@ void ServoLoop::goOver(ServoLink& link) noexcept {
   window_clock_ = WindowClock(nanoseconds(parameters_.safety.stall_s));
   guard_.reset(link.doubtful);
   gate_.setForceLimit(std::min(link.force_limit_N, most_force_N_));
+  gate_.letGo();
   algorithm_ = link.algorithm.get();
   std::swap(given_algorithm_, link.algorithm);
   algorithm_->resume(free_W, hip_W_);
@@ -360,12 +373,17 @@ void ServoLoop::endChange() noexcept {
   changes_->done(std::exchange(change_, nullptr));
 }
 
-// Whether the tool can be there. A place that no motion explains is believed when the next reading lies near it: then
-// the device counts from elsewhere, and everything begins anew there. Otherwise it was a wrong reading.
+double ServoLoop::sinceReport_s() const noexcept {
+  return std::max(1, ticks_since_report_) / parameters_.rate_hz;
+}
+
+// Whether the tool can be there. The loop knows when it read a position, not when the device was there: one that sends
+// reports of its own pace may have been there as long ago as an old position is no fault. A place that no motion
+// explains is believed when the next reading lies near it: then the device counts from elsewhere, and everything begins
+// anew there. Otherwise it was a wrong reading.
 bool ServoLoop::believes(const Vec3& read_W) noexcept {
   const double way_m = (read_W - hip_W_).stableNorm();
-  const double longest_m = kFastest_m_per_s * std::max(1, ticks_since_report_) / parameters_.rate_hz;
-  if (way_m <= longest_m) {
+  if (way_m <= motion_.longestWay_m(sinceReport_s(), position_waits_s_)) {
     leapt_ = false;
     return true;
   }
@@ -373,11 +391,21 @@ bool ServoLoop::believes(const Vec3& read_W) noexcept {
   leapt_ = !again;
   leap_W_ = read_W;
   if (!again) return false;
-  algorithm_->resume(read_W, read_W);
-  if (leaving_ != nullptr) leaving_->resume(read_W, read_W);
+  beginAt(read_W);
+  gate_.beginAnew();
+  return true;
+}
+
+// As at the start of a run: the tool is there, and nothing is known of how it came there. One that is inside an object
+// is not pushed out.
+void ServoLoop::beginAt(const Vec3& read_W) noexcept {
+  algorithm_->reset(read_W);
+  if (leaving_ != nullptr) leaving_->reset(read_W);
   velocity_.reset(read_W);
   passivity_.reset(read_W);
-  return true;
+  motion_.begin();
+  hip_W_ = read_W;
+  device_.beginAnew();
 }
 
 // Reads where the tool is. Only a report that was not read before updates velocity and energy. False: no answer that
@@ -385,10 +413,17 @@ bool ServoLoop::believes(const Vec3& read_W) noexcept {
 bool ServoLoop::readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept {
   ticks_since_report_ += elapsed_ticks;
   Vec3 read_W = hip_W_;
-  if (!device_.read(read_W) || !read_W.allFinite() || !believes(read_W)) return false;
+  if (!device_.read(read_W) || !read_W.allFinite()) return false;
+  // Since the loop was made a hand may have gone anywhere.
+  if (std::exchange(begins_, false))
+    beginAt(read_W);
+  else if (!believes(read_W))
+    return false;
+  const double way_m = (read_W - hip_W_).stableNorm();
   hip_W_ = read_W;
   report_age_ns = device_.reportAge_ns();
   if (report_age_ns >= std::max<std::int64_t>(gap_ns, 1)) return true;
+  motion_.believe(way_m, sinceReport_s(), position_waits_s_);
   passivity_.moved(hip_W_);
   velocity_.update(hip_W_, std::max(1, ticks_since_report_));
   ticks_since_report_ = 0;
@@ -402,24 +437,29 @@ bool ServoLoop::offer(const Vec3& force_W) noexcept {
   return true;
 }
 
-// Brings the force down by the slew in each write, until the device has taken zero. It gives up on a device that
-// refuses every write for kPatience_s, and on one that takes writes but never reaches zero.
+// The force fades as in a fault, until the device has taken zero. It keeps its direction, while the device is read on,
+// since its currents depend on its pose. `pause` waits for the next period and gives the time since the last [ns]. It
+// gives up on a device that refuses every write for kPatience_s, and on one that takes writes but never reaches zero.
 template <typename Pause>
 void ServoLoop::endForce(Pause pause) noexcept {
+  device_.endRun();
   const auto patience = static_cast<std::int64_t>(std::ceil(kPatience_s * parameters_.rate_hz));
-  // In double: with a tiny slew the quotient is larger than any integer.
+  // What was built up within the run comes down within as many ticks, also where the fade ends early. In double: with
+  // a tiny slew the quotient is larger than any integer.
   const double longest =
-      std::min(static_cast<double>(ticks_run_),
-               std::ceil(gate_.heldForce().norm() / gate_.slewPerTick()) + static_cast<double>(patience));
-  std::int64_t refused = 0, writes = 0;
+      static_cast<double>(gate_.releaseTicks()) +
+      std::min(static_cast<double>(ticks_run_), std::ceil(gate_.heldForce().norm() / gate_.slewPerTick()));
+  std::int64_t refused = 0, writes = 0, gap_ns = 0;
   while (refused < patience && static_cast<double>(writes) <= longest) {
-    const bool taken = offer(gate_.release());
+    const bool taken = offer(gate_.release(gap_ns));
     released_ = taken && gate_.heldForce().isZero(0);
     if (released_) return;
     refused = taken ? 0 : refused + 1;
     writes += taken ? 1 : 0;
-    pause();
+    gap_ns = pause();
     device_.elapse(1);
+    Vec3 unused_W = hip_W_;
+    static_cast<void>(device_.read(unused_W));
   }
 }
 

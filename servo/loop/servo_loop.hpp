@@ -5,12 +5,12 @@
 // Real clock: a thread of its own sleeps until each grid point. A tick that is not done when the next is due is flagged
 // kOverrun. Grid points that have passed by then are left out, not made up for. Tick numbers keep to the grid: they
 // have a gap there, and time_s stays tick / rate. A position that the device has reported before (device.hpp) is used
-// again, but does not update the velocity. One that no motion explains (kFastest_m_per_s) counts as no answer, unless
-// the next one lies near it; then the tool begins anew there, as at the start of a run. Simulated clock: the caller's
-// thread runs every grid point, as fast as it can. Cost and lateness are 0. The same inputs give the same records, bit
-// for bit. Real-time rule: between its first and last tick the servo thread allocates nothing, takes no lock, throws
-// and prints nothing. It makes no system call but its sleep and the device's I/O (tests/servo/loop proves it). Frame W:
-// world. Times: nanoseconds of CLOCK_MONOTONIC, or since the start with the simulated clock.
+// again, but does not update the velocity. One that no motion of the device explains (hand_motion.hpp) counts as no
+// answer, unless the next one lies near it; then the tool begins anew there, as at the start of a run. Simulated clock:
+// the caller's thread runs every grid point, as fast as it can. Cost and lateness are 0. The same inputs give the same
+// records, bit for bit. Real-time rule: between its first and last tick the servo thread allocates nothing, takes no
+// lock, throws and prints nothing. It makes no system call but its sleep and the device's I/O (tests/servo/loop proves
+// it). Frame W: world. Times: nanoseconds of CLOCK_MONOTONIC, or since the start with the simulated clock.
 #pragma once
 
 #include <atomic>
@@ -83,8 +83,6 @@ class ServoLoop {
   // over the same time; it stays within the device's own. While a contact is only remembered (TickOutput::at_surface
   // without contact), changes wait.
   static constexpr double kChangeOver_s = 0.1;  // [s]
-  // Nothing that a hand holds is faster, even in a scene whose world is a hundred times as large as the device [m/s].
-  static constexpr double kFastest_m_per_s = 1000;
   void takeChangesFrom(ServoChanges& changes) noexcept { changes_ = &changes; }
   void tellTicksTo(LiveTicks& live) noexcept { live_ = &live; }
   // Set before a run: where another engine's windows come from. A change that is under way is completed first.
@@ -110,9 +108,9 @@ class ServoLoop {
   // Of the newest tick, but for its overrun, which is not known before its end (faults.hpp). Any thread, any time.
   [[nodiscard]] std::uint32_t newestFaults() const noexcept { return newest_faults_.load(std::memory_order_relaxed); }
 
-  // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force is
-  // brought to zero. That takes one write, or more if the slew limit asks for it or the device refuses. After a second
-  // of refusals the loop gives up (LoopResult::released).
+  // Any thread, any time. No tick begins after the servo has seen the request. At the end of every run the force fades
+  // to zero as in a fault, within fade_s or as long as the slew limit asks for. Without a force that takes one write.
+  // After a second of refusals the loop gives up (LoopResult::released).
   void requestStop() noexcept { stop_.store(true, std::memory_order_relaxed); }
 
  private:
@@ -134,6 +132,8 @@ class ServoLoop {
   void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool believes(const Vec3& read_W) noexcept;
+  [[nodiscard]] double sinceReport_s() const noexcept;
+  void beginAt(const Vec3& read_W) noexcept;
   [[nodiscard]] bool readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept;
   [[nodiscard]] bool offer(const Vec3& force_W) noexcept;
   template <typename Pause>
@@ -154,6 +154,9 @@ class ServoLoop {
   Vec3 hip_W_ = Vec3::Zero();   // last position that could be read [m]
   Vec3 leap_W_ = Vec3::Zero();  // the last reading, if no motion explains it
   bool leapt_ = false;
+  MotionLaw motion_;
+  double position_waits_s_;  // how much older than its tick a position may be [s]
+  bool begins_;  // the first position of a run is still to come, and may be anywhere: a person holds the device
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate

@@ -105,7 +105,7 @@ Every force leaves for the device through one gate, which keeps it finite, withi
 limit, tick for tick, also during a fault: each force that the device takes differs from the one taken before by at most the
 slew, however many it refused between them. The last force is never repeated while a fault lasts: it gets smaller in every
 tick until it is zero. Where the slew limit does not allow the fade time, the fade takes as long as it must (force limit /
-slew limit). `faults` in trace.csv is the sum of the values below. This page is printed by `palpate faults`.
+slew limit). The end of a run lets the force fade in the same way. `faults` in trace.csv is the sum of the values below. This page is printed by `palpate faults`.
 
 | name | value | what happened | the force ... | what to do |
 |---|---|---|---|---|

@@ -15,13 +15,13 @@ std::int64_t nanoseconds(double time_s) {
   return std::llround(time_s * kNanosecondsPerSecond);
 }
 
-// The fade time in ticks, rounded down: the force is zero within the time, not after it. The tolerance is for products
-// such as 0.1 s * 1 kHz. If the slew limit needs more ticks, there is one to spare, so that rounding never makes a step
-// of the fade exceed the slew.
-std::int64_t fadeTicksOf(const SafetyParameters& p, double rate_hz) {
+// The fade time from `force_N` in ticks, rounded down: the force is zero within the time, not after it. The tolerance
+// is for products such as 0.1 s * 1 kHz. If the slew limit needs more ticks, there is one to spare, so that rounding
+// never makes a step of the fade exceed the slew.
+std::int64_t fadeTicksOf(const SafetyParameters& p, double force_N, double rate_hz) {
   constexpr double kMostTicks = 1e15;
   const double by_time = std::floor(p.fade_s * rate_hz + 1e-6);
-  const double by_slew = std::floor(std::min(p.force_limit_N / p.slew_limit_N_per_s * rate_hz, kMostTicks)) + 1;
+  const double by_slew = std::floor(std::min(force_N / p.slew_limit_N_per_s * rate_hz, kMostTicks)) + 1;
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::max(by_time, by_slew)));
 }
 
@@ -38,7 +38,9 @@ SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
   checkSetting(p.stall_s >= 0 && p.stall_s <= 1e6, "stall time", p.stall_s, "give 0 to 1e6 seconds");
   checkSetting(p.report_timeout_s >= 0 && p.report_timeout_s <= 1e6, "report timeout", p.report_timeout_s,
                "give 0 to 1e6 seconds");
-  fade_ticks_ = fadeTicksOf(p, rate_hz);
+  checkSetting(p.start_s >= 0 && p.start_s <= 60, "start time", p.start_s, "give 0 to 60 seconds");
+  fade_ticks_ = fadeTicksOf(p, p.force_limit_N, rate_hz);
+  start_ticks_ = static_cast<std::int64_t>(std::ceil(p.start_s * rate_hz - 1e-6));
   stale_ns_ = nanoseconds(p.stale_window_s);
   stall_ns_ = nanoseconds(p.stall_s + 1 / rate_hz);
   report_timeout_ns_ = nanoseconds(p.report_timeout_s);
@@ -49,7 +51,7 @@ SafetyGate::SafetyGate(const SafetyParameters& p, double rate_hz)
 // grow again when a lower limit had cut it and a higher one followed.
 void SafetyGate::setForceLimit(double force_limit_N) noexcept {
   parameters_.force_limit_N = force_limit_N;
-  const std::int64_t before = std::exchange(fade_ticks_, fadeTicksOf(parameters_, rate_hz_));
+  const std::int64_t before = std::exchange(fade_ticks_, fadeTicksOf(parameters_, force_limit_N, rate_hz_));
   if (authority_ticks_ == before) {
     authority_ticks_ = fade_ticks_;
   } else {
@@ -71,29 +73,46 @@ std::uint32_t SafetyGate::faultsOf(const GateInput& in) const noexcept {
 
 GateOutput SafetyGate::pass(const GateInput& in) noexcept {
   std::uint32_t faults = faultsOf(in);
-  const bool faulty = (faults & kFadingFaults) != 0;
+  const bool fades = (faults & kFadingFaults) != 0 || lets_go_;
   // Of a device that exerts no force nothing is left to fade.
   if (has(faults, ServoFault::kStall) || has(faults, ServoFault::kForceOff)) authority_ticks_ = 0;
-  if (faulty && !fading_) {
+  if (fades && (!fading_ || releases_)) {
     fade_from_W_ = held_W_;
     fade_from_ticks_ = authority_ticks_;
   }
-  fading_ = faulty;
-  if (faulty) {
+  fading_ = fades;
+  releases_ = false;
+  if (fades) {
     // kSlewLimited is not raised here. The slew limit is part of the fade; it holds the force back only after a stall
     // or refused writes.
-    // A device that let its force go by itself does not get a part of it back.
-    const Vec3 left_W = withinLimit(faded());
-    static_cast<void>(offerTowards(left_W.stableNorm() > held_W_.stableNorm() ? held_W_ : left_W));
+    offerFaded();
+    if (authority_ticks_ == 0) lets_go_ = false;
   } else if (!offerTowards(limited(in.wanted_W, faults))) {
     faults |= bit(ServoFault::kSlewLimited);
   }
   return {offer_W_, faults};
 }
 
-Vec3 SafetyGate::release() noexcept {
-  authority_ticks_ = 0;
-  static_cast<void>(offerTowards(Vec3::Zero()));
+void SafetyGate::beginAnew() noexcept {
+  started_ticks_ = 0;
+  letGo();
+}
+
+std::int64_t SafetyGate::releaseTicks() const noexcept {
+  if (releases_) return authority_ticks_;
+  return std::min(authority_ticks_, fadeTicksOf(parameters_, held_W_.stableNorm(), rate_hz_));
+}
+
+// From the force held, and not from the limit: a slew that is hardly any would else make the end of a run that held
+// little take for ever.
+Vec3 SafetyGate::release(std::int64_t gap_ns) noexcept {
+  if (isStall(gap_ns)) authority_ticks_ = 0;
+  if (!releases_) {
+    authority_ticks_ = fade_from_ticks_ = releaseTicks();
+    fade_from_W_ = held_W_;
+    fading_ = releases_ = true;
+  }
+  offerFaded();
   return offer_W_;
 }
 
@@ -108,10 +127,13 @@ Vec3 SafetyGate::withinLimit(const Vec3& force_W) const noexcept {
   return size_N > parameters_.force_limit_N ? Vec3(force_W / size_N * parameters_.force_limit_N) : force_W;
 }
 
-Vec3 SafetyGate::faded() noexcept {
-  if (authority_ticks_ > 0) --authority_ticks_;
-  if (authority_ticks_ == 0) return Vec3::Zero();
-  return fade_from_W_ * (static_cast<double>(authority_ticks_) / static_cast<double>(fade_from_ticks_));
+// A device that let its force go by itself does not get a part of it back.
+void SafetyGate::offerFaded() noexcept {
+  Vec3 left_W = Vec3::Zero();
+  if (authority_ticks_ > 0 && --authority_ticks_ > 0)
+    left_W =
+        withinLimit(fade_from_W_ * (static_cast<double>(authority_ticks_) / static_cast<double>(fade_from_ticks_)));
+  static_cast<void>(offerTowards(left_W.stableNorm() > held_W_.stableNorm() ? held_W_ : left_W));
 }
 
 Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
@@ -120,6 +142,8 @@ Vec3 SafetyGate::limited(const Vec3& wanted_W, std::uint32_t& faults) noexcept {
   if (target_W != wanted_W) faults |= bit(ServoFault::kForceLimited);
   if (authority_ticks_ < fade_ticks_)
     target_W *= static_cast<double>(authority_ticks_) / static_cast<double>(fade_ticks_);
+  if (started_ticks_ < start_ticks_)
+    target_W *= static_cast<double>(++started_ticks_) / static_cast<double>(start_ticks_);
   return target_W;
 }
 

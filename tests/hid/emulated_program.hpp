@@ -2,6 +2,7 @@
 // The built program on a machine with emulated HID devices (emulate_hid.cpp).
 #pragma once
 
+#include <cmath>
 #include <map>
 
 #include <fmt/format.h>
@@ -39,8 +40,9 @@ class EmulatedHid : public ProgramTest {
   }
 
   // A way along the surface, tick by tick, as a rigid hand goes it.
-  // `share` of it: cut there. What tests of one program have in common is run once.
-  void writeWay(const std::string& volume, double seconds, double depth_mm, double share = 1) const {
+  // `share` of it: cut there. `rest_s`: the hand waits there first. What tests of one program have in common is run
+  // once.
+  void writeWay(const std::string& volume, double seconds, double depth_mm, double share = 1, double rest_s = 0) const {
     const Words touch = {"touch",     volume,
                          "--clock",   "simulated",
                          "--picture", "off",
@@ -58,10 +60,11 @@ class EmulatedHid : public ProgramTest {
     std::string csv = "time_s,x_m,y_m,z_m\n";
     std::vector<TraceRow> rows = readTrace(file("rigid") / "trace.csv").rows;
     rows.resize(static_cast<std::size_t>(share * static_cast<double>(rows.size())));
-    for (const TraceRow& row : rows) {
-      const Vec3 hip = row.hip_W();
-      csv += fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}\n", row.time_s(), hip.x(), hip.y(), hip.z());
-    }
+    const auto put = [&](double time_s, const Vec3& hip) {
+      csv += fmt::format("{:.17g},{:.17g},{:.17g},{:.17g}\n", time_s, hip.x(), hip.y(), hip.z());
+    };
+    for (int ms = 0; ms < std::lround(1e3 * rest_s); ++ms) put(1e-3 * ms, rows.front().hip_W());
+    for (const TraceRow& row : rows) put(rest_s + row.time_s(), row.hip_W());
     write("way.csv", csv);
   }
 };

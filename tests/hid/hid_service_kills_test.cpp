@@ -88,11 +88,12 @@ class HidServiceKills : public EmulatedHid {
   void join(const Words& options = {}) {
     const std::string servo = (std::filesystem::path(PALPATE_PROGRAM).parent_path() / "palpate-servo").string();
     ++servos_;
-    arm_ = RunningProgram(PALPATE_EMULATE_HID,
-                          options + Words{"--paced", "--path", "way.csv", "--at", "0,0,0", "--slew",
-                                          std::to_string(kSlew_N_per_s), "--log", "arm" + std::to_string(servos_), "--",
-                                          servo, "--connect", (file("run") / "palpate/service.sock").string()},
-                          folder(), "servo.log");
+    arm_ = RunningProgram(
+        PALPATE_EMULATE_HID,
+        options + Words{"--paced", "--path", "way.csv", "--at", "0,0,0", "--slew", std::to_string(kSlew_N_per_s),
+                        "--log", "arm" + std::to_string(servos_), "--", servo, "--connect",
+                        (file("run") / "palpate/service.sock").string(), "--calibrated"},
+        folder(), "servo.log");
   }
   void signalServo(int signal) const {
     static_cast<void>(

@@ -17,6 +17,9 @@ struct Difference {
 
 class HidTouch : public EmulatedHid {
  protected:
+  // While the force of a device that a person holds grows from nothing it cannot feel as a simulated one does.
+  static constexpr double kRest_s = 1.1;
+
   // The same way, with the simulated device and with the emulated Polhem.
   Difference compare(const std::string& volume, const Vec3& at_mm, const Words& more) const {
     const Words common = Words{"--clock", "simulated", "--picture", "off", "--force-limit", "5"} + more;
@@ -49,7 +52,7 @@ class HidTouch : public EmulatedHid {
 // differ by K times that, and by the damping of a velocity that is off by a count in the filter's time, 1 / (2 pi 200).
 TEST_F(HidTouch, FeelsASphereAsTheSimulatedDeviceDoes) {
   constexpr double kStiffness = 400, kDamping = 0.5;
-  writeWay("phantom:sphere?size=64", 2, 2);
+  writeWay("phantom:sphere?size=64", 2, 2, 1, kRest_s);
   const Difference d = compare("phantom:sphere?size=64", Vec3::Zero(), {"--stiffness", "400"});
   EXPECT_GE(d.ticks, 1999U);  // the way's rows are as many as its last time has ticks
   EXPECT_GT(d.contact_ticks, 1000U);
@@ -69,7 +72,7 @@ TEST_F(HidTouch, DrillsAScanAsTheSimulatedDeviceDoes) {
   const auto scans = realScans();
   const auto head = std::ranges::find_if(scans, [](const auto& p) { return p.filename() == "ct_head_headsq.nrrd"; });
   if (head == scans.end()) GTEST_SKIP() << "no scans: PALPATE_DATA names their folder";
-  writeWay(head->string(), 1, 1);
+  writeWay(head->string(), 1, 1, 1, kRest_s);
   const Vec3 start_mm = 1e3 * readTrace(file("rigid") / "trace.csv").rows.front().hip_W();
   const Difference d = compare(head->string(), start_mm, {"--stiffness", "400", "--edit", "remove:radius=2mm:rate=20"});
   EXPECT_GT(d.contact_ticks, 200U);

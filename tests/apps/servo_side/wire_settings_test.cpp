@@ -52,8 +52,11 @@ TEST(WireSettings, RefuseWhatIsNone) {
 class Anything final : public Device {
  public:
   explicit Anything(Seeded& random) {
-    of = {random.between(0, 9), random.between(0, 9), random.pick(9),       random.between(0, 9),
-          random.pick(2) == 0,  random.pick(2) == 0,  random.between(0, 9), random.between(0, 9)};
+    of = {random.between(0, 9), random.between(0, 9),
+          random.pick(9),       random.between(0, 9),
+          random.pick(2) == 0,  random.pick(2) == 0,
+          random.between(0, 9), random.between(0, 9),
+          random.pick(2) == 0,  {random.between(0, 9), random.between(0, 9)}};
     for (int i = random.pick(4); i > 0; --i)
       all.push_back({random.between(0, 9), random.between(0, 9), random.between(0, 9), random.between(0, 9),
                      random.between(0, 9), random.between(0, 9)});
@@ -86,6 +89,9 @@ TEST(WireSettings, KnowADeviceOverThere) {
     EXPECT_EQ(l.follows_force, device.of.follows_force);
     EXPECT_EQ(l.stiffness_limit_N_per_m, device.of.stiffness_limit_N_per_m);
     EXPECT_EQ(l.workspace_radius_m, device.of.workspace_radius_m);
+    EXPECT_EQ(l.is_held, device.of.is_held);
+    EXPECT_EQ(l.motion.speed_m_per_s, device.of.motion.speed_m_per_s);
+    EXPECT_EQ(l.motion.acceleration_m_per_s2, device.of.motion.acceleration_m_per_s2);
     EXPECT_EQ(forceOffOf(made.force_off), device.off);
     const auto hands = handsOf(made);
     ASSERT_EQ(hands.size(), device.all.size());

@@ -2,6 +2,7 @@
 #include "servo/devices/placed_device.hpp"
 
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -21,13 +22,15 @@ class Handle final : public Device {
             .slew_limit_N_per_s = 600,
             .follows_force = follows_force,
             .stiffness_limit_N_per_m = 900,
-            .workspace_radius_m = 0.1};
+            .workspace_radius_m = 0.1,
+            .motion = kHandMotion};
   }
   [[nodiscard]] std::vector<HandParameters> hands() const override { return {HandParameters{}}; }
   [[nodiscard]] bool read(Vec3& p) noexcept override {
     if (answers) p = at_D;
     return answers;
   }
+  [[nodiscard]] ForceOff forceOff() const noexcept override { return off; }
   [[nodiscard]] bool pressed() const noexcept override { return is_pressed; }
   [[nodiscard]] bool write(const Vec3& f) noexcept override {
     force_D = f;
@@ -37,6 +40,7 @@ class Handle final : public Device {
 
   Vec3 at_D = Vec3::Zero(), force_D = Vec3::Zero();
   bool is_pressed = false, answers = true, takes = true, follows_force = true;
+  ForceOff off = ForceOff::kNone;
 };
 
 struct Placed {
@@ -95,6 +99,8 @@ TEST(PlacedDevice, KeepsWorkAndTellsLimitsInTheScenesMeasures) {
     EXPECT_DOUBLE_EQ(limits.slew_limit_N_per_s * p.force_scale, 600);
     EXPECT_DOUBLE_EQ(limits.position_resolution_m, 1e-5 * p.scale);
     EXPECT_DOUBLE_EQ(limits.workspace_radius_m, 0.1 * p.scale);
+    EXPECT_DOUBLE_EQ(limits.motion.speed_m_per_s, kHandMotion.speed_m_per_s * p.scale);
+    EXPECT_DOUBLE_EQ(limits.motion.acceleration_m_per_s2, kHandMotion.acceleration_m_per_s2 * p.scale);
     EXPECT_NEAR(limits.stiffness_limit_N_per_m * p.scale * p.force_scale, 900, 1e-9);
     EXPECT_NEAR(placed.device->hands()[0].device_mass_kg * p.scale * p.force_scale, HandParameters{}.device_mass_kg,
                 1e-15);
@@ -135,6 +141,108 @@ TEST(PlacedDevice, PushesBackAtTheEndOfItsWorkspace) {
   Placed none({.edge_stiffness_N_per_m = 0});
   static_cast<void>(none.at({0, 0.2, 0}));
   EXPECT_EQ(none.device->boundary().force_W, Vec3(Vec3::Zero()));
+}
+
+// ---- an edge that begins where the hand is ----
+
+double edgeForce(const Placed& placed) {
+  return placed.device->boundary().force_W.norm();
+}
+
+TEST(PlacedDevice, DoesNotPushAHandThatBeginsOutside) {
+  Placed placed;
+  static_cast<void>(placed.at({0, 0.2, 0}));
+  EXPECT_EQ(placed.device->boundary().stored_J, 0);
+  static_cast<void>(placed.at({0, 0.15, 0}));  // it closes in
+  EXPECT_EQ(edgeForce(placed), 0);
+  static_cast<void>(placed.at({0, 0, 0.155}));
+  EXPECT_NEAR(edgeForce(placed), 300 * 0.005, 1e-12);
+  static_cast<void>(placed.at({0, 0, 0.145}));
+  EXPECT_EQ(edgeForce(placed), 0);
+  static_cast<void>(placed.at({0, 0, 0.01}));  // no farther in than the workspace
+  static_cast<void>(placed.at({0.1, 0, 0}));
+  EXPECT_EQ(edgeForce(placed), 0);
+  static_cast<void>(placed.at({0.104, 0, 0}));
+  EXPECT_NEAR(edgeForce(placed), 300 * 0.004, 1e-12);
+}
+
+// It may have gone anywhere while there was no force: uncalibrated, disconnected, clutched; or by a jump.
+TEST(PlacedDevice, BeginsItsEdgeAnewWhereTheForceWasAway) {
+  const std::function<void(Placed&)> causes[] = {
+      [](Placed& placed) {
+        placed.handle->off = ForceOff::kUncalibrated;
+        static_cast<void>(placed.at({0, 0.05, 0}));
+        placed.handle->off = ForceOff::kNone;  // the answer that calibrates it also says where it is
+        static_cast<void>(placed.at({0, 0.18, 0}));
+      },
+      [](Placed& placed) {
+        placed.handle->off = ForceOff::kDisconnected;
+        placed.handle->answers = false;
+        Vec3 unused;
+        EXPECT_FALSE(placed.device->read(unused));
+        placed.handle->answers = true;
+        placed.handle->off = ForceOff::kNone;
+        static_cast<void>(placed.at({0, 0.18, 0}));
+      },
+      [](Placed& placed) {
+        placed.handle->is_pressed = true;
+        static_cast<void>(placed.at({0, 0.15, 0}));
+        placed.handle->is_pressed = false;
+        static_cast<void>(placed.at({0, 0.18, 0}));
+      },
+      [](Placed& placed) {
+        static_cast<void>(placed.at({0, 0.18, 0}));
+        EXPECT_NEAR(edgeForce(placed), 300 * 0.08, 1e-9);
+        placed.device->beginAnew();
+      }};
+  for (const auto& cause : causes) {
+    Placed placed;
+    static_cast<void>(placed.at({0, 0, 0}));
+    cause(placed);
+    EXPECT_EQ(edgeForce(placed), 0);
+    static_cast<void>(placed.at({0, 0.19, 0}));
+    EXPECT_NEAR(edgeForce(placed), 300 * 0.01, 1e-9);
+    static_cast<void>(placed.at({0, 0.08, 0}));
+    static_cast<void>(placed.at({0, 0.11, 0}));
+    EXPECT_NEAR(edgeForce(placed), 300 * 0.01, 1e-9);
+  }
+}
+
+// On any way of small steps: the spring is that of a radius which is the least distance so far, but never below the
+// workspace's; it is continuous, and the work that it did is exactly what it lost. Over a step of s the work of the
+// mean force is that of the spring, but for the turn of the force: k s^2 / 2 at most where the edge sets in, and
+// k d s^2 / R where the force turns by s / R.
+TEST(PlacedDevice, AnEdgeThatClosesInGivesNoEnergy) {
+  constexpr double kStiffness = 300, kRadius_m = 0.1, kStep_m = 2e-5;
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    Seeded random(seed);
+    Placed placed;
+    Vec3 p_D = random.between(0.02, 0.25) * random.direction(), way = random.direction();
+    double least_m = p_D.norm(), work_J = 0, slack_J = 0;
+    static_cast<void>(placed.at(p_D));
+    DeviceBoundary before = placed.device->boundary();
+    ASSERT_EQ(before.stored_J, 0);
+    for (int step = 0; step < 20000; ++step) {
+      if (random.pick(1000) == 0) way = (random.direction() - 2 * p_D).normalized();
+      const Vec3 next_D = p_D + kStep_m * way;
+      static_cast<void>(placed.at(next_D));
+      least_m = std::min(least_m, next_D.norm());
+      const double beyond_m = std::max(0.0, next_D.norm() - std::max(kRadius_m, least_m));
+      const DeviceBoundary now = placed.device->boundary();
+      ASSERT_NEAR(now.stored_J, 0.5 * kStiffness * beyond_m * beyond_m, 1e-12);
+      ASSERT_NEAR(now.force_W.norm(), kStiffness * beyond_m, 1e-9);
+      // In device and world of the same size and force the turn alone differs, so lengths are the same.
+      ASSERT_LE((now.force_W - before.force_W).norm(), 2 * kStiffness * kStep_m);
+      const Vec3 way_W = next_D - p_D;
+      work_J += 0.5 * (now.force_W + before.force_W).dot(way_W);
+      slack_J += 0.5 * kStiffness * kStep_m * kStep_m * (1 + 2 * beyond_m / kRadius_m);
+      ASSERT_NEAR(-work_J, now.stored_J, slack_J);
+      before = now;
+      p_D = next_D;
+    }
+    EXPECT_LT(slack_J, 3e-3);  // 10 mm of the spring are 15 mJ
+  }
 }
 
 TEST(PlacedDevice, HandsFailuresOn) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <semaphore>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -292,12 +294,17 @@ TEST(PolhemCalibration, NoticesThatItCountsFromNearBy) {
   EXPECT_EQ(jumps.device.forceOff(), ForceOff::kUncalibrated);
   EXPECT_EQ(jumps.figure("reports_implausible"), 3);
 
-  const SampledPath fast({0, 0.01, 0.03}, {Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(0.1, 0, 0)},
-                         SampledPath::Interpolation::kLinear);  // 5 m/s
+  std::vector<double> times_s = {0, 0.02};  // to 5 m/s within 10 ms, and 15 ms on
+  std::vector<Vec3> points(2, Vec3::Zero());
+  for (int ms = 1; ms <= 25; ++ms) {
+    times_s.push_back(0.02 + 1e-3 * ms);
+    points.emplace_back(ms <= 10 ? 250e-6 * ms * ms : 5e-3 * ms - 0.025, 0, 0);
+  }
+  const SampledPath fast(std::move(times_s), std::move(points), SampledPath::Interpolation::kLinear);
   HandParameters light;
   light.hand_stiffness_N_per_m = 1e5;
   PolhemBench moves(fast, knownPolhem(), true, light);
-  moves.pass(40);
+  moves.pass(60);
   EXPECT_EQ(moves.device.forceOff(), ForceOff::kNone);
   EXPECT_EQ(moves.figure("reports_implausible"), 0);
 }

@@ -28,9 +28,12 @@ Recording anyRecording(unsigned seed, int ticks) {
               .position_resolution_m = random.between(0, 1e-4),
               .force_delay_ticks = random.pick(5),
               .slew_limit_N_per_s = random.between(0, 1e5),
+              .sets_pace = random.pick(2) == 0,
               .follows_force = random.pick(2) == 0,
               .stiffness_limit_N_per_m = random.between(0, 2000),
-              .workspace_radius_m = random.between(0, 1)};
+              .workspace_radius_m = random.between(0, 1),
+              .is_held = random.pick(2) == 0,
+              .motion = {random.between(1, 1000), random.between(0, 1000)}};
   r.hands.resize(static_cast<std::size_t>(random.pick(4)));
   Vec3 at = Vec3::Zero();
   for (int i = 0; i < ticks; ++i) {
@@ -80,6 +83,10 @@ TEST(Recording, ComesBackToTheBit) {
     EXPECT_EQ(back.limits.force_delay_ticks, r.limits.force_delay_ticks);
     EXPECT_EQ(back.limits.slew_limit_N_per_s, r.limits.slew_limit_N_per_s);
     EXPECT_EQ(back.limits.follows_force, r.limits.follows_force);
+    EXPECT_EQ(back.limits.is_held, r.limits.is_held);
+    EXPECT_EQ(back.limits.sets_pace, r.limits.sets_pace);
+    EXPECT_EQ(back.limits.motion.speed_m_per_s, r.limits.motion.speed_m_per_s);
+    EXPECT_EQ(back.limits.motion.acceleration_m_per_s2, r.limits.motion.acceleration_m_per_s2);
     EXPECT_EQ(back.limits.stiffness_limit_N_per_m, r.limits.stiffness_limit_N_per_m);
     EXPECT_EQ(back.limits.workspace_radius_m, r.limits.workspace_radius_m);
     ASSERT_EQ(back.hands.size(), r.hands.size());
@@ -250,6 +257,32 @@ TEST(RecordingDevice, KeepsNoMoreThanItHasRoomFor) {
     EXPECT_TRUE(recorder.write(Vec3::Zero()));
   }
   EXPECT_EQ(recorder.recording().ticks.size(), 3U);
+}
+
+// What brings the force to zero after the last tick is no part of the session, though it reads and writes.
+TEST(RecordingDevice, KeepsNothingOfTheEnd) {
+  const SampledPath path({0}, {Vec3::Zero()}, SampledPath::Interpolation::kLinear);
+  SimulatedDeviceParameters p;
+  p.force_limit_N = 2;
+  RecordingDevice recorder(std::make_unique<SimulatedDevice>(p, path, 1000), 1000, 10);
+  Vec3 at;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(recorder.read(at));
+    EXPECT_TRUE(recorder.write(Vec3(0, 0, 5)));
+    EXPECT_EQ(recorder.held(Vec3(0, 0, 5)).z(), 2);
+    recorder.elapse(1);
+  }
+  recorder.endRun();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(recorder.write(Vec3(0, 0, 1)));
+    EXPECT_EQ(recorder.held(Vec3(0, 0, 1)).z(), 1);
+    recorder.elapse(1);
+    EXPECT_TRUE(recorder.read(at));
+  }
+  const Recording recording = recorder.recording();
+  ASSERT_EQ(recording.ticks.size(), 3U);
+  EXPECT_TRUE(recording.ticks.back().held_differs);
+  EXPECT_EQ(recording.ticks.back().held_W.z(), 2);
 }
 
 }  // namespace recording_test

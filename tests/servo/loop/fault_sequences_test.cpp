@@ -69,7 +69,7 @@ InjectedFault randomFault(Dice& dice) {
       fault.size = dice.coin() ? 0.05 : dice.decades(1e-4, 0.3);
       break;
     case Injected::kWildPosition:
-      // Half of them are so near that the servo believes them, at least at slow rates (ServoLoop::kFastest_m_per_s).
+      // Half of them are so near that the servo believes them, at least at slow rates (MotionBounds).
       fault.size = sign * (dice.coin() ? dice.decades(1e-4, 10) : dice.coin() ? 1e308 : dice.decades(1e-4, 1e300));
       break;
     case Injected::kHugeForce:

@@ -296,7 +296,7 @@ TEST(LoopRelease, ADeviceThatNeverHoldsLessDoesNotKeepTheRun) {
   p.ticks = 10;
   ServoLoop loop(p, push, device, windows, tool);
   EXPECT_FALSE(loop.runSimulated().released);
-  EXPECT_LE(device.writes, 2 * 10 + 1);
+  EXPECT_LE(device.writes, 10 + 100 + 10 + 1);  // of the run; of the fade; what the slew may ask for more
 }
 
 // Writes of the release are a period apart, as ticks are: a device that refuses them is asked for its patience's time.
@@ -360,6 +360,45 @@ TEST(LoopStart, PutsTheAlgorithmWhereTheDeviceIs) {
   EXPECT_EQ(algorithm.reset_W, Vec3(Vec3::Zero()));
 }
 
+// A person's tool that begins inside of an object, or is there at once, after it has touched nothing for a while: it is
+// not pushed out, as in any start.
+TEST(LoopStart, AToolThatIsInsideAnObjectIsNotPushed) {
+  class Placed final : public StuckDevice {
+   public:
+    [[nodiscard]] DeviceLimits limits() const noexcept override {
+      return {.force_limit_N = 5, .is_held = true, .motion = kHandMotion};
+    }
+    [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+      position_W = at_W;
+      return true;
+    }
+    [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override { return force_W; }
+    Vec3 at_W = Vec3::Zero();
+  };
+  for (const char* name : {"hri", "blezek", "implicit"}) {
+    for (const bool jumps : {false, true}) {
+      SCOPED_TRACE(std::string(name) + (jumps ? ", jumps in" : ", begins inside"));
+      TouchScene scene(0.2, name);
+      Placed device;
+      device.at_W = TouchScene::above(jumps ? 14e-3 : -10e-3);
+      LoopParameters p;
+      p.ticks = 200;
+      ServoLoop loop(p, *scene.algorithm, device, scene.windows, scene.tool);
+      const LoopResult result = loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
+        if (tick % 16 == 0) scene.publish(device.at_W, now_ns);
+        scene.windows.confirm(now_ns);
+        if (tick == 60) device.at_W = TouchScene::above(-10e-3);
+        if (tick == 60) scene.publish(device.at_W, now_ns);
+      });
+      for (const TickRecord& record : result.records) {
+        ASSERT_EQ(asVec3(record.force_W).norm(), 0) << record.tick;
+        ASSERT_FALSE(record.in_contact) << record.tick;
+      }
+      EXPECT_TRUE(has(result.records.back().faults, ServoFault::kInsideObject));
+    }
+  }
+}
+
 // The device asks for 1 N a tick, the scene allows more; or the other way round. The smaller counts.
 TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   for (const double of_scene : {5000.0, 500.0}) {
@@ -375,14 +414,59 @@ TEST_F(LoopFaults, TheSmallerOfSceneAndDeviceLimitsTheSlew) {
   }
 }
 
-// 4 N at 1 N a tick: the run's end takes three more writes above zero, then zero, however it ends.
-TEST_F(LoopFaults, TheEndOfARunKeepsWithinTheSlew) {
-  parameters.safety.slew_limit_N_per_s = 1000;
-  const LoopResult result = run(50, {});
-  ASSERT_EQ(result.records.size(), 50u);
-  const std::vector<Vec3>& written_W = device.written_W;
-  ASSERT_EQ(written_W.size(), 54u);
-  for (std::size_t i = 50; i < 54; ++i) EXPECT_NEAR(written_W[i].z(), 53.0 - static_cast<double>(i), 1e-12);
+// 4 N: the run's end takes the fade's ten writes, as a fault would, or the 41 that a slew of 0.1 N a tick asks for.
+TEST_F(LoopFaults, TheEndOfARunFades) {
+  for (const double slew_N_per_s : {20000.0, 100.0}) {
+    parameters.safety.slew_limit_N_per_s = slew_N_per_s;
+    device.written_W.clear();
+    script.tick = -1;
+    const LoopResult result = run(50, {});
+    ASSERT_EQ(result.records.size(), 50u);
+    EXPECT_TRUE(result.released);
+    EXPECT_NEAR(force(result, 49), 4, 1e-9);
+    const std::size_t ticks = slew_N_per_s > 1000 ? 10 : 41;
+    const std::vector<Vec3>& written_W = device.written_W;
+    ASSERT_EQ(written_W.size(), 50 + ticks);
+    for (std::size_t i = 1; i <= ticks; ++i)
+      EXPECT_NEAR(written_W[49 + i].z(), 4 * (1 - static_cast<double>(i) / static_cast<double>(ticks)), 1e-9) << i;
+  }
+}
+
+// A tool that is somewhere else at once: one tick counts as no answer, then it begins anew there. What is held fades in
+// a straight line through both, and comes back from nothing: within the fade, or of a held device as at the start.
+TEST_F(LoopFaults, AtANewPlaceTheForceComesBackFromNothing) {
+  for (const bool is_held : {false, true}) {
+    device.is_held = is_held;
+    script.tick = -1;
+    const LoopResult result = run(2400, {{Injected::kWildPosition, 1200, 10000, 5}});
+    expectFault(result, ServoFault::kDeviceError, 1200, 1201);
+    EXPECT_EQ(force(result, 1199), 4);
+    for (std::size_t i = 0; i < 10; ++i)
+      EXPECT_NEAR(force(result, 1200 + i), 4 - 0.4 * (static_cast<double>(i) + 1), 1e-12) << i;
+    for (std::size_t i = 1; 1209 + i < 2400; ++i) {
+      const double ticks = static_cast<double>(i);
+      const double share = std::min(1.0, ticks / 10) * (is_held ? std::min(1.0, ticks / 1000) : 1);
+      ASSERT_NEAR(force(result, 1209 + i), 4 * share, 1e-12) << i;
+    }
+  }
+}
+
+// Of a device that a person holds the force begins at nothing, also after the device was away; its clutch is no start.
+TEST_F(LoopFaults, TheForceOfAHeldDeviceGrowsOverASecond) {
+  device.is_held = true;
+  for (const ForceOff why : {ForceOff::kUncalibrated, ForceOff::kClutched}) {
+    device.why_off = why;
+    script.tick = -1;
+    const LoopResult result = run(2600, {{Injected::kForceOff, 1200, 50}});
+    for (std::size_t i = 0; i < 1200; ++i)
+      ASSERT_NEAR(force(result, i), 4 * std::min(1.0, (static_cast<double>(i) + 1) / 1000), 1e-12) << i;
+    for (std::size_t i = 1200; i < 1250; ++i) ASSERT_EQ(force(result, i), 0) << i;
+    const double back_ticks = why == ForceOff::kClutched ? 1 : 1000;
+    for (std::size_t i = 1250; i < 2600; ++i) {
+      const double ticks = static_cast<double>(i) - 1249;
+      ASSERT_NEAR(force(result, i), 4 * std::min(1.0, ticks / 10) * std::min(1.0, ticks / back_ticks), 1e-12) << i;
+    }
+  }
 }
 
 // At 3 kHz a period is no whole number of nanoseconds: after 6 s every tick is still due within one of k / rate, where

@@ -180,7 +180,11 @@ void press(unsigned seed, std::int64_t& faults) {
   EXPECT_LE(rise_N, 400 * 1e-3 + 0.05);
   std::int64_t contact = 0;
   for (const TickRecord& r : run.records) contact += r.in_contact ? 1 : 0;
-  EXPECT_GT(contact, kTicks / 20);  // it still works between the faults
+  // It still works between the faults: 20 times the tool enters from outside, and touches until the arm is not there
+  // for a moment, which it is after 29 ticks in the mean (0.12 faults, two kinds of seven). When it comes back inside
+  // of the ball it is not pushed out. 20 such times are 580 ticks in the mean, and 580 - 3 x 29 x sqrt(20) = 190 at the
+  // least.
+  EXPECT_GT(contact, 190);
 
   // Each is counted. An answer that is lost is not missed where a late one, or the first of a new connection, comes in
   // its place: by chance, after one in 29 of these (0.12 faults, two kinds of seven).

@@ -27,10 +27,12 @@ class TakingGate {
     gate_.taken(out.force_W);
     return out;
   }
-  Vec3 release() {
-    gate_.taken(gate_.release());
+  Vec3 release(std::int64_t gap_ns = 0) {
+    gate_.taken(gate_.release(gap_ns));
     return gate_.heldForce();
   }
+  void beginAnew() { gate_.beginAnew(); }
+  void letGo() { gate_.letGo(); }
   void setForceLimit(double force_limit_N) { gate_.setForceLimit(force_limit_N); }
   [[nodiscard]] const Vec3& heldForce() const { return gate_.heldForce(); }
   [[nodiscard]] std::int64_t fadeTicks() const { return gate_.fadeTicks(); }
@@ -210,14 +212,154 @@ TEST(SafetyGate, AFadeIsNoFasterThanTheSlewLimit) {
   EXPECT_TRUE(gate.heldForce().isZero(0));
 }
 
-TEST(SafetyGate, ReleaseGoesToZeroAtTheSlewLimit) {
+// ---- the end of a run ----
+
+// Tick by tick the same as a fault's fade, from health, from within a fade, and while the force still comes back.
+TEST(SafetyGate, AReleaseFadesAsAFaultDoes) {
+  const GateInput faulty{{0, 0, 4}, 0, bit(ServoFault::kNoWindow)};
+  for (const int faulty_before : {0, 3, 9, 10, 20}) {
+    for (const int healthy_before : {0, 1, 4, 10}) {
+      TakingGate fades(parameters(), 1000), ends(parameters(), 1000);
+      for (TakingGate* gate : {&fades, &ends}) {
+        for (int i = 0; i < 3; ++i) static_cast<void>(gate->pass(healthy({0, 0, 4})));
+        for (int i = 0; i < faulty_before; ++i) static_cast<void>(gate->pass(faulty));
+        for (int i = 0; i < healthy_before; ++i) static_cast<void>(gate->pass(healthy({0, 0, 4})));
+      }
+      for (int tick = 1; tick <= 12; ++tick)
+        EXPECT_NEAR(ends.release().z(), fades.pass(faulty).force_W.z(), 1e-12) << faulty_before << ' ' << tick;
+      EXPECT_TRUE(ends.heldForce().isZero(0));
+    }
+  }
+}
+
+// 2.5 N at 0.1 N a tick need 25 ticks, and one to spare; a fault's fade would allow for the whole limit of 8 N.
+TEST(SafetyGate, AReleaseIsNoFasterThanTheSlewLimit) {
   SafetyParameters p = parameters();
-  p.slew_limit_N_per_s = 1000;
+  p.slew_limit_N_per_s = 100;
+  SafetyGate gate(p, 1000);
+  for (int i = 0; i < 30; ++i) gate.taken(gate.pass(healthy({0, 0, 2.5})).force_W);
+  EXPECT_EQ(gate.releaseTicks(), 26);
+  for (int tick = 1; tick <= 26; ++tick) {
+    gate.taken(gate.release());
+    EXPECT_NEAR(gate.heldForce().z(), 2.5 * (1 - tick / 26.0), 1e-12);
+  }
+  EXPECT_TRUE(gate.heldForce().isZero(0));
+}
+
+// However little the slew limit allows: what was built up in 100 ticks is gone in as many and one, or in the fade time.
+TEST(SafetyGate, AReleaseTakesNoLongerThanWhatIsHeldAsksFor) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1e-6;
+  SafetyGate gate(p, 1000);
+  for (int i = 0; i < 100; ++i) gate.taken(gate.pass(healthy({0, 0, 2.5})).force_W);
+  ASSERT_GT(gate.heldForce().z(), 0);
+  EXPECT_NEAR(static_cast<double>(gate.releaseTicks()), 101, 1);  // sums of 1 nN are rounded
+}
+
+// While the device refuses, the fade's time passes; after a stall the rest goes at the slew.
+TEST(SafetyGate, AStallInAReleaseTakesTheRest) {
+  SafetyParameters p = parameters();
+  p.slew_limit_N_per_s = 1000;  // 1 N a tick
   TakingGate gate(p, 1000);
-  for (int i = 0; i < 4; ++i) static_cast<void>(gate.pass(healthy({0, 0, 2.5})));
-  EXPECT_NEAR(gate.release().z(), 1.5, 1e-12);
-  EXPECT_NEAR(gate.release().z(), 0.5, 1e-12);
-  EXPECT_TRUE(gate.release().isZero(0));
+  for (int i = 0; i < 4; ++i) static_cast<void>(gate.pass(healthy({0, 0, 4})));
+  EXPECT_NEAR(gate.release().z(), 3.6, 1e-12);
+  for (const double left_N : {2.6, 1.6, 0.6, 0.0}) EXPECT_NEAR(gate.release(50'000'000).z(), left_N, 1e-12);
+}
+
+// ---- the start ----
+
+SafetyParameters slowStart() {
+  SafetyParameters p = parameters();
+  p.start_s = 0.1;  // 100 ticks; a fade has 10
+  return p;
+}
+
+TEST(SafetyGate, TheForceOfAHeldDeviceBeginsAtNothing) {
+  TakingGate gate(slowStart(), 1000);
+  for (int tick = 1; tick <= 110; ++tick)
+    EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 4 * std::min(1.0, tick / 100.0), 1e-12);
+}
+
+// A fault stops the start, and the force comes back to where it was; only healthy ticks count.
+TEST(SafetyGate, AFaultDoesNotHastenTheStart) {
+  TakingGate gate(slowStart(), 1000);
+  const GateInput faulty{{0, 0, 4}, 0, bit(ServoFault::kStaleWindow)};
+  for (int i = 0; i < 50; ++i) static_cast<void>(gate.pass(faulty));
+  for (int i = 0; i < 20; ++i) static_cast<void>(gate.pass(healthy({0, 0, 4})));
+  EXPECT_NEAR(gate.heldForce().z(), 4 * 0.2, 1e-12);
+  for (int tick = 1; tick <= 10; ++tick) EXPECT_NEAR(gate.pass(faulty).force_W.z(), 4 * 0.2 * (1 - tick / 10.0), 1e-12);
+  for (int tick = 1; tick <= 15; ++tick) {
+    EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 4 * std::min(1.0, tick / 10.0) * (0.2 + 0.01 * tick), 1e-12);
+  }
+}
+
+// What is held fades first, in its own direction, then the new force comes: as at the start, or within the fade time.
+TEST(SafetyGate, WhatBeginsAnewFadesAndComesBack) {
+  for (const bool as_at_the_start : {false, true}) {
+    TakingGate gate(slowStart(), 1000);
+    for (int i = 0; i < 120; ++i) static_cast<void>(gate.pass(healthy({0, 0, 4})));
+    ASSERT_EQ(gate.heldForce().z(), 4);
+    as_at_the_start ? gate.beginAnew() : gate.letGo();
+    for (int tick = 1; tick <= 10; ++tick) {
+      const GateOutput out = gate.pass(healthy({3, 0, 0}));
+      EXPECT_LT((out.force_W - Vec3(0, 0, 4 * (1 - tick / 10.0))).norm(), 1e-12) << tick;
+      EXPECT_EQ(out.faults, 0U);
+    }
+    for (int tick = 1; tick <= 110; ++tick) {
+      const double share = std::min(1.0, tick / 10.0) * (as_at_the_start ? std::min(1.0, tick / 100.0) : 1);
+      EXPECT_LT((gate.pass(healthy({3, 0, 0})).force_W - Vec3(3 * share, 0, 0)).norm(), 1e-12) << tick;
+    }
+  }
+}
+
+// The promise behind all of it, with everything at random: no force is above the limit times the share of the fade
+// times the share of the start that have passed, as a model of a few lines counts them. What was held when all begins
+// anew fades first, from what it was allowed before.
+TEST(SafetyGate, NoForceIsAboveItsAuthority) {
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    SCOPED_TRACE(seed);
+    Seeded random(seed);
+    SafetyParameters p = parameters();
+    p.force_limit_N = random.logBetween(0.1, 50);
+    p.fade_s = random.between(0, 0.1);
+    p.start_s = random.pick(4) == 0 ? 0 : random.between(0, 0.5);
+    p.slew_limit_N_per_s = 1e9;
+    SafetyGate gate(p, 1000);
+    const double start_ticks = p.start_s * 1000, fade_ticks = static_cast<double>(gate.fadeTicks());
+    double started = 0, authority = fade_ticks, share = start_ticks > 0 ? 0 : 1, share_before = 0;
+    bool lets_go = false;
+    int spell = 0;
+    for (int tick = 0; tick < 1000; ++tick) {
+      if (spell-- <= 0) spell = random.pick(100);
+      const bool faulty = spell < 15, is_off = faulty && seed % 2 == 0;
+      if (random.pick(200) == 0) {
+        gate.beginAnew();
+        started = 0;
+        lets_go = true;
+        share_before = std::max(share_before, share);
+      }
+      if (random.pick(200) == 0) {
+        gate.letGo();
+        lets_go = true;
+      }
+      GateInput in = healthy(100 * random.direction());
+      if (faulty) in.faults = bit(is_off ? ServoFault::kForceOff : ServoFault::kStaleWindow);
+      if (is_off) authority = 0;
+      if (faulty || lets_go) {
+        authority = std::max(0.0, authority - 1);
+        lets_go = lets_go && authority > 0;
+      } else {
+        authority = std::min(fade_ticks, authority + 1);
+        started += 1;
+      }
+      share = start_ticks > 0 ? std::min(1.0, started / start_ticks) : 1;
+      if (authority == 0) share_before = 0;
+      gate.taken(gate.pass(in).force_W);
+      ASSERT_LE(gate.heldForce().norm(),
+                p.force_limit_N * authority / fade_ticks * std::max(share, share_before) * (1 + 1e-9))
+          << tick;
+    }
+  }
 }
 
 // Healthy again in the middle of a fade: it goes on from the authority reached, not from full force.
@@ -280,7 +422,8 @@ TEST(SafetyGate, AfterRefusedOffersTheForceFallsFromWhatTheDeviceHolds) {
 TEST(SafetyGate, AfterAReleaseTheForceStartsFromNothing) {
   TakingGate gate(parameters(), 1000);
   EXPECT_EQ(gate.pass(healthy({0, 0, 4})).force_W.z(), 4);
-  EXPECT_TRUE(gate.release().isZero(0));
+  for (int i = 0; i < 10; ++i) static_cast<void>(gate.release());
+  EXPECT_TRUE(gate.heldForce().isZero(0));
   for (int tick = 1; tick <= 10; ++tick) {
     EXPECT_NEAR(gate.pass(healthy({0, 0, 4})).force_W.z(), 0.4 * tick, 1e-12);
   }
@@ -298,12 +441,14 @@ TEST(SafetyGate, AFadeBeginsAtWhatTheDeviceHolds) {
   }
 }
 
+// The fade's time passes meanwhile, but no offer is more than a slew away from the 2 N that are held.
 TEST(SafetyGate, RefusedOffersOfAReleaseAreMadeAgain) {
   SafetyParameters p = parameters();
   p.slew_limit_N_per_s = 1000;
   SafetyGate gate(p, 1000);
   for (int i = 0; i < 2; ++i) gate.taken(gate.pass(healthy({0, 0, 2})).force_W);
-  for (int i = 0; i < 5; ++i) EXPECT_NEAR(gate.release().z(), 1, 1e-12);
+  for (int tick = 1; tick <= 12; ++tick)
+    EXPECT_NEAR(gate.release().z(), std::max(1.0, 2 * (1 - tick / 10.0)), 1e-12) << tick;
   gate.taken(gate.release());
   EXPECT_NEAR(gate.heldForce().z(), 1, 1e-12);
   EXPECT_TRUE(gate.release().isZero(0));

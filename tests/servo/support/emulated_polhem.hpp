@@ -53,6 +53,8 @@ class EmulatedPolhem {
   // The same where the handle is near its home position: it counts as if it had been exactly there before.
   void recalibrate() { asks_ = nears_home_ = true; }
   void press(bool pressed) { pressed_ = pressed; }
+  // A joint slips on its capstan: from now on its encoder counts so much more.
+  void slip(std::size_t joint, std::int64_t counts) { offset_[joint] += counts; }
 
   [[nodiscard]] Report state() const {
     PolhemState state;
@@ -101,7 +103,11 @@ class EmulatedPolhem {
  private:
   static Vec3 fromArm(const Vec3& v) { return {v.y(), v.z(), v.x()}; }
   static Vec3 toArm(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
-  [[nodiscard]] Vec3 angles() const { return arm_.anglesAt(toArm(state_.position_W)).value(); }
+  // A hand that goes farther than the arm can leaves it where it was.
+  [[nodiscard]] Vec3 angles() const {
+    angles_ = arm_.anglesAt(toArm(state_.position_W)).value_or(angles_);
+    return angles_;
+  }
   [[nodiscard]] ArmCounts trueCounts() const { return arm_.countsAt(angles()); }
   void passTick() {
     const Vec3 force = force_D();
@@ -118,6 +124,7 @@ class EmulatedPolhem {
   double tick_s_, time_s_ = 0, silent_s_ = 0;
   std::int64_t ticks_ = 0;
   HandDynamics::State state_;
+  mutable Vec3 angles_ = Vec3::Zero();
   std::array<std::int64_t, 3> offset_{};
   Vec3 currents_A_ = Vec3::Zero();
   bool asks_ = false, pressed_ = false, nears_home_ = false;

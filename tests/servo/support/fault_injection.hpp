@@ -137,10 +137,13 @@ class ScriptedDevice final : public Device {
 
   [[nodiscard]] std::string_view name() const noexcept override { return "scripted"; }
   [[nodiscard]] DeviceLimits limits() const noexcept override {
-    return {.force_limit_N = force_limit_N, .position_resolution_m = 1e-6, .slew_limit_N_per_s = slew_limit_N_per_s};
+    return {.force_limit_N = force_limit_N,
+            .position_resolution_m = 1e-6,
+            .slew_limit_N_per_s = slew_limit_N_per_s,
+            .is_held = is_held};
   }
   [[nodiscard]] ForceOff forceOff() const noexcept override {
-    return script_.active(Injected::kForceOff) != nullptr ? ForceOff::kUncalibrated : ForceOff::kNone;
+    return script_.active(Injected::kForceOff) != nullptr ? why_off : ForceOff::kNone;
   }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override {
     clock_.pass(script_.once(Injected::kStallInTick));
@@ -182,7 +185,9 @@ class ScriptedDevice final : public Device {
 
   double force_limit_N = 20;      // as limits() states it
   double slew_limit_N_per_s = 0;  // as limits() states it
-  std::vector<Vec3> written_W;    // every force that left the loop, whether the device took it or not [N]
+  bool is_held = false;           // as limits() states it
+  ForceOff why_off = ForceOff::kUncalibrated;
+  std::vector<Vec3> written_W;  // every force that left the loop, whether the device took it or not [N]
   std::vector<bool> taken;
   std::vector<Vec3> held_W;                                // what the device holds after each of them [N]
   double cut_N = std::numeric_limits<double>::infinity();  // it holds at most this, which only held() tells

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// apps/servo_side/servo_ceilings.hpp: what a servo never exceeds, whatever an engine's scene asks for.
+//
+// An engine may be broken, and a hand is at the servo's end. So the servo's own user says how hard and how abruptly
+// that hand may be pulled, by flags of `palpate servo` and by a file of the machine's. Where both say something, the
+// tighter counts. Set-up code; any thread.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+struct Scene;
+
+// Empty: the scene's own counts.
+struct ServoCeilings {
+  std::optional<double> force_N = {};       // largest force at the handle [N]
+  std::optional<double> current_A = {};     // largest of the device's motors [A]
+  std::optional<double> slew_N_per_s = {};  // fastest change of the force at the handle [N/s]
+  std::optional<double> least_fade_s = {};  // from full force to none [s]
+  bool takes_calibrated = true;             // believes an engine that says that the device is calibrated already
+
+  bool operator==(const ServoCeilings&) const = default;
+};
+
+struct CeilingRow {
+  std::string_view flag;  // "--max-force"
+  std::string_view key;   // in the file: "max_force_N"
+  std::string_view unit;
+  double lowest, highest;
+  bool is_floor;  // the larger one is the tighter
+  std::string_view help;
+  std::optional<double> ServoCeilings::*member;
+};
+[[nodiscard]] std::span<const CeilingRow> ceilingRows() noexcept;
+
+// The tighter of the two, for each.
+[[nodiscard]] ServoCeilings tighter(const ServoCeilings& a, const ServoCeilings& b);
+
+// `$XDG_CONFIG_HOME/palpate/servo.toml`, or in ~/.config; empty: neither variable is set.
+[[nodiscard]] std::filesystem::path ceilingsFile();
+// Of a file that is there, else none. Throws Error: kBadInput as readCeilings() does, kIo if it cannot be read.
+[[nodiscard]] ServoCeilings ceilingsOfFile(const std::filesystem::path& file);
+// Of its text. Throws Error(kBadInput), with line: no TOML, an unknown key, a value that is no number or out of range.
+[[nodiscard]] ServoCeilings readCeilings(std::string_view text, const std::string& file);
+// Sets the one with this flag. False: there is none of this name. Throws Error(kBadInput): no number, or out of range.
+[[nodiscard]] bool setCeiling(ServoCeilings& ceilings, std::string_view flag, const std::string& value);
+
+// What an engine asked for and did not get, in words: "the engine asks for a force limit of 8 N, and gets 2 N
+// (--max-force)".
+using TellClipped = std::function<void(const std::string&)>;
+
+// The scene as it may be. Throws Error(kBadInput) for a device that nobody knows.
+[[nodiscard]] Scene within(const ServoCeilings& ceilings, Scene scene, const TellClipped& tell);
+// The same for a force limit that is set later [N, in the scene; the ceiling is one at the handle].
+[[nodiscard]] double forceWithin(const ServoCeilings& ceilings, const Scene& scene, double limit_N,
+                                 const TellClipped& tell);
+
+}  // namespace palpate
