@@ -15,6 +15,7 @@
 #include "apps/held/chosen_device.hpp"
 #include "base/error.hpp"
 #include "device_arguments.hpp"
+#include "servo/devices/calibration_refusal.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/hid/hid.hpp"
 #include "verbs.hpp"
@@ -27,7 +28,7 @@ struct CalibrateArguments {
   bool by_libusb = false, yes = false;
 };
 
-constexpr int kPatience_ms = 2000;
+constexpr int kSettles_ms = 500, kPatience_ms = 2000;
 
 void awaitEnter() {
   printText("Put the handle into its home position and hold it there, then press Enter. ");
@@ -40,6 +41,30 @@ void awaitEnter() {
     refuse("palpate calibrate", fmt::format("'{}' is no Enter alone", line),
            "start again, and press Enter when the handle is there");
   throwIfInterrupted("palpate calibrate");
+}
+
+// A millisecond of the device without force.
+void follow(Device& device) {
+  Vec3 position;
+  static_cast<void>(device.read(position));
+  static_cast<void>(device.write(Vec3::Zero()));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+// Whoever has just let go of the key may still move the handle: so it may come to rest first.
+void calibrateAtRest(Device& device, const std::string& named) {
+  CalibrationRefusal why = CalibrationRefusal::kMoving;
+  for (int waited_ms = 0; why == CalibrationRefusal::kMoving && waited_ms < kSettles_ms; ++waited_ms) {
+    follow(device);
+    why = device.calibrate();
+  }
+  if (why != CalibrationRefusal::kNone && device.forceOff() != ForceOff::kDisconnected) {
+    const CalibrationRefusalWords words = wordsOf(why);
+    throw Error(Error::Code::kDevice, named, fmt::format("not calibrated: {}", words.reason),
+                std::string(words.remedy));
+  }
+  for (int waited_ms = 0; device.forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms)
+    follow(device);
 }
 
 // Another device may be at its place now.
@@ -68,14 +93,8 @@ void calibrate(const CalibrateArguments& arguments) {
     return;
   }
   if (!arguments.yes) awaitEnter();
-  device->calibrate();
-  Vec3 position = Vec3::Zero();
-  for (int waited_ms = 0; device->forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms) {
-    static_cast<void>(device->read(position));
-    static_cast<void>(device->write(Vec3::Zero()));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
   const std::string named = fmt::format("device {}", arguments.device);
+  calibrateAtRest(*device, named);
   if (wasAway(*device)) {
     throw Error(Error::Code::kDevice, named, "it was unplugged meanwhile",
                 "plug it in, leave it so, and start again with its handle in the home position");

@@ -29,6 +29,14 @@ enum class ForceOff : std::uint8_t {
   kClutched,        // its handle's switch is pressed
 };
 
+// Why a device does not take its handle's place for its home position; calibration_refusal.hpp has the words.
+enum class CalibrationRefusal : std::uint8_t {
+  kNone,     // it does take it
+  kContact,  // it pushes the hand, or did a moment ago
+  kMoving,   // the handle moves, or has not been seen at rest yet
+  kAway,     // the device is calibrated, and says that the handle is elsewhere
+};
+
 // A count or a time that a device tells of itself, for summaries.
 struct DeviceFigure {
   std::string_view key;  // "reports_lost", "write_p99_us"
@@ -66,9 +74,9 @@ class Device {
   // What happened so far. Any thread; allocates.
   [[nodiscard]] virtual std::vector<DeviceFigure> figures() const { return {}; }
 
-  // The handle is in its home position: a device that counts from there is told so. forceOff() says when it is done.
-  // Before the loop starts, or by the servo thread.
-  virtual void calibrate() noexcept {}
+  // The handle is in its home position: a device that counts from there is told so, unless it has a reason to doubt
+  // it. forceOff() says when it is done. Before the loop starts, or by the servo thread.
+  [[nodiscard]] virtual CalibrationRefusal calibrate() noexcept { return CalibrationRefusal::kNone; }
 
   // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
   // before the first tick. A real device leaves this empty.
@@ -79,6 +87,9 @@ class Device {
   // ago the newest one came. A device that answers each read() at once leaves this 0. If the age is not less than the
   // time since the last tick, the servo treats the position as one that it has already used.
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
+  // Why a calibration was refused that somebody asked for in the last seconds, as by a button; kNone: none was. Servo
+  // thread, after read().
+  [[nodiscard]] virtual CalibrationRefusal refusedCalibration() const noexcept { return CalibrationRefusal::kNone; }
   // Whether its handle's switch is pressed; servo thread, after read().
   [[nodiscard]] virtual bool pressed() const noexcept { return false; }
   // The force with which the end of its workspace pushes the handle back, at the position that the last read() gave.

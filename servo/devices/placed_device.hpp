@@ -48,6 +48,9 @@ class PlacedDevice final : public Device {
   void elapse(int ticks) noexcept override { device_->elapse(ticks); }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return device_->reportAge_ns(); }
+  [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override {
+    return device_->refusedCalibration();
+  }
   [[nodiscard]] bool pressed() const noexcept override { return device_->pressed(); }
   [[nodiscard]] DeviceBoundary boundary() const noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;

@@ -20,9 +20,13 @@ constexpr double kFastest_m_per_s = 10;  // a hand's fastest punch
 constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
 constexpr double kLongestLeap_m = 0.1;   // however long it said nothing: half a second is enough for a new start
 constexpr double kForgets_s = 0.5;       // of silence; the firmware takes 1 s to start
-constexpr int kSureReports = 3;          // in a row that say that the button is pressed
-constexpr double kJustBefore_s = 0.1;    // so long before it was seen not pressed
+constexpr double kJustBefore_s = 0.1;    // so long before it was pressed the button was seen free
 constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
+// The handle rests while it stays within 1 mm for 0.1 s: a hand's tremor does, one that goes at 10 mm/s does not.
+constexpr double kRest_m = 1e-3, kRest_s = 0.1;
+constexpr double kPush_N = 0.05;    // a force that counts as pushing, then and for kRest_s after
+constexpr double kAtHome_m = 0.03;  // a hand puts the handle back to its home position better than that
+constexpr double kTold_s = 2;       // for so long a refusal is told
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
 constexpr std::size_t kPacedReports = 16;  // by which the pace of its reports is known
@@ -76,7 +80,6 @@ LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::
     return true;
   };
   return {.rest = polhemReport({}, bytes),
-          .on_request = polhemReport({.count_from = homeOf(p)}, bytes),
           .answer_ms = use.answer_ms,
           .forgets_s = kForgets_s,
           .fold = fold,
@@ -210,6 +213,9 @@ std::vector<DeviceFigure> PolhemDevice::figures() const {
           {"disconnects", value(f.disconnects)},
           {"reconnects", value(f.reconnects)},
           {"calibrations", value(valueOf(calibrations_))},
+          {wordsOf(kCalibrationRefusals[0]).figure, value(valueOf(refusals_[0]))},
+          {wordsOf(kCalibrationRefusals[1]).figure, value(valueOf(refusals_[1]))},
+          {wordsOf(kCalibrationRefusals[2]).figure, value(valueOf(refusals_[2]))},
           {"calibrated", calibrated_.load(std::memory_order_relaxed) ? 1.0 : 0.0},
           {"report_period_us", report_period_s_ * 1e6},
           {"write_p50_us", f.write_p50_us},
@@ -222,6 +228,7 @@ void PolhemDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     link_.exchange();
     ++silent_ticks_;
+    ++ticks_;
     take(link_.newest());
   }
 }
@@ -267,15 +274,74 @@ double PolhemDevice::longestWay_m(const Received& received) const noexcept {
                   kFastest_m_per_s / use_.rate_hz);
 }
 
-// The firmware holds what the button asked until it is told to count from home, which it then does from where the
+// When the last report that counted came.
+double PolhemDevice::reportTime_s() const noexcept {
+  return use_.simulated_clock ? time_s() : static_cast<double>(received_ns_) / kNanosecondsPerSecond;
+}
+
+bool PolhemDevice::rests() const noexcept {
+  return reportTime_s() - rests_since_s_ >= kRest_s;
+}
+
+double PolhemDevice::time_s() const noexcept {
+  if (use_.simulated_clock) return static_cast<double>(ticks_) / use_.rate_hz;
+  return static_cast<double>(monotonicNow_ns()) / kNanosecondsPerSecond;
+}
+
+// How far the handle is between two poses at most: each joint moves it by its angle times the longest arm that it can
+// have. Lengths of arms that are not calibrated are known too, their angles are not.
+double PolhemDevice::way_m(const Vec3& from, const Vec3& to) const noexcept {
+  const double b_m = parameters_.joints[1].length_m, c_m = parameters_.joints[2].length_m;
+  return (to - from).cwiseAbs().dot(Vec3(b_m + c_m, b_m, c_m));
+}
+
+void PolhemDevice::noteRest() noexcept {
+  if (way_m(rest_, angles_) <= kRest_m) return;
+  rest_ = angles_;
+  rests_since_s_ = reportTime_s();
+}
+
+bool PolhemDevice::isFree() const noexcept {
+  return !(time_s() - pushed_s_ < kRest_s);
+}
+
+CalibrationRefusal PolhemDevice::whyNotCalibrate() const noexcept {
+  if (!isFree()) return CalibrationRefusal::kContact;
+  if (!rests()) return CalibrationRefusal::kMoving;
+  const Vec3 home = arm_.angles({parameters_.home_counts[0], parameters_.home_counts[1], parameters_.home_counts[2]});
+  const bool is_away = calibrated_.load(std::memory_order_relaxed) && way_m(home, angles_) > kAtHome_m;
+  return is_away ? CalibrationRefusal::kAway : CalibrationRefusal::kNone;
+}
+
+CalibrationRefusal PolhemDevice::refusedCalibration() const noexcept {
+  return reportTime_s() - refused_s_ < kTold_s ? refused_ : CalibrationRefusal::kNone;
+}
+
+// One that was pressed while nobody looked takes the calibration away: somebody thought that it was wrong.
+void PolhemDevice::press() noexcept {
+  if (!is_pressed_now_) return tell(Pending::kForgetting);
+  refused_ = calibrate();
+  is_refused_ = refused_ != CalibrationRefusal::kNone;
+  if (is_refused_) refused_s_ = reportTime_s();
+}
+
+// The firmware holds what the button asked until it is told to count from somewhere, which it then does from where the
 // handle is at that moment.
-void PolhemDevice::heedButton(bool asks, bool just_before) noexcept {
-  if (!asks) {
-    asked_reports_ = 0;
+void PolhemDevice::heedButton(const PolhemState& state, bool just_before) noexcept {
+  const bool is_pressed =
+      button_.read(state.asks_for_calibration, std::llround(reportTime_s() * kNanosecondsPerSecond));
+  if (!state.asks_for_calibration) {
+    is_refused_ = false;
+    unheard_reports_ = 0;
     return;
   }
-  if (asked_reports_++ == 0) is_pressed_now_ = just_before;
-  if (asked_reports_ % kAskAgain == kSureReports) tell(is_pressed_now_ ? Pending::kCalibrating : Pending::kClearing);
+  if (button_.hasJustChanged()) is_pressed_now_ = just_before;
+  if (is_pressed) return press();
+  const bool waits = pending_ != Pending::kNothing && ++unheard_reports_ < kAskAgain;
+  if (waits) return;
+  if (is_refused_ && isFree() && rests()) return tell(Pending::kCountingOn);
+  if (pending_ == Pending::kForgetting) return tell(pending_);
+  if (pending_ == Pending::kCalibrating && whyNotCalibrate() == CalibrationRefusal::kNone) tell(pending_);
 }
 
 void PolhemDevice::take(const Received& received) noexcept {
@@ -290,15 +356,21 @@ void PolhemDevice::take(const Received& received) noexcept {
   if (is_new) {
     if (received.connection > 1 || has_forgotten) calibrated_.store(false, std::memory_order_relaxed);  // it was away
     pending_ = Pending::kNothing;
-    asked_reports_ = 0;
+    button_ = {};
+    is_refused_ = false;
   }
   // One that came of its own accord may be of any age: the next one begins anew.
   const bool begins = is_new || was_unasked_;
   was_unasked_ = received.unasked;
   const double since_s =
       use_.simulated_clock ? silence_s() : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
-  if (pending_ != Pending::kNothing && !state->asks_for_calibration && isHome(state->counts)) {
-    if (received.requests < request_) return;  // it may have been said before
+  const bool is_heard = received.requests >= request_ && !state->asks_for_calibration;
+  if (pending_ == Pending::kCountingOn && is_heard) pending_ = Pending::kNothing;
+  const bool counts_home = pending_ == Pending::kForgetting || pending_ == Pending::kCalibrating;
+  bool is_elsewhere = begins;  // it counts from elsewhere than before: nobody knows whether the handle rests
+  if (counts_home && !state->asks_for_calibration && isHome(state->counts)) {
+    if (!is_heard) return;  // it may have been said before
+    is_elsewhere = true;
     if (std::exchange(pending_, Pending::kNothing) == Pending::kCalibrating) {
       calibrated_.store(true, std::memory_order_relaxed);
       countOne(calibrations_);
@@ -309,7 +381,6 @@ void PolhemDevice::take(const Received& received) noexcept {
   } else if (!follows(state->counts, longestWay_m(received))) {
     return;
   }
-  heedButton(state->asks_for_calibration, !begins && since_s <= kJustBefore_s);
   connection_.store(received.connection, std::memory_order_relaxed);
   received_ns_ = received.time_ns;
   asked_ns_ = received.asked_ns;
@@ -318,6 +389,9 @@ void PolhemDevice::take(const Received& received) noexcept {
   pressed_ = state->pressed;
   angles_ = arm_.angles(counts_);
   position_A_ = arm_.position(angles_);
+  if (is_elsewhere) rest_.setConstant(std::numeric_limits<double>::infinity());
+  noteRest();
+  heedButton(*state, !begins && since_s <= kJustBefore_s);
 }
 
 // Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed. After a leap,
@@ -340,6 +414,7 @@ bool PolhemDevice::follows(const PolhemCounts& raw, double longest_m) noexcept {
   }
   calibrated_.store(false, std::memory_order_relaxed);
   countFrom(raw);
+  rest_.setConstant(std::numeric_limits<double>::infinity());
   return true;
 }
 
@@ -374,6 +449,7 @@ bool PolhemDevice::write(const Vec3& force_D) noexcept {
   if (!link_.connected()) return true;
   double share = 0;
   const Vec3 currents_A = currentsFor(force_D, share);
+  if (share * force_D.stableNorm() > kPush_N) pushed_s_ = time_s();
   PolhemCommand command;
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   for (int k = 0; k < 3; ++k) {
@@ -390,15 +466,23 @@ Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
   return share * force_D;
 }
 
-void PolhemDevice::calibrate() noexcept {
-  tell(Pending::kCalibrating);
+CalibrationRefusal PolhemDevice::calibrate() noexcept {
+  const CalibrationRefusal why = whyNotCalibrate();
+  for (std::size_t i = 0; i < kCalibrationRefusals.size(); ++i) {
+    if (why == kCalibrationRefusals[i]) countOne(refusals_[i]);
+  }
+  if (why == CalibrationRefusal::kNone) tell(Pending::kCalibrating);
+  return why;
 }
 
 void PolhemDevice::tell(Pending what) noexcept {
   pending_ = what;
   request_ = requests_ + 1;
-  calibrated_.store(false, std::memory_order_relaxed);
-  link_.askOnce();
+  unheard_reports_ = 0;
+  const bool counts_on = what == Pending::kCountingOn;
+  if (!counts_on) calibrated_.store(false, std::memory_order_relaxed);
+  link_.askOnce(polhemReport({.count_from = counts_on ? raw_ : homeOf(parameters_)},
+                             static_cast<std::size_t>(parameters_.report_bytes)));
 }
 
 }  // namespace palpate

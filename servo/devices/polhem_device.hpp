@@ -11,8 +11,13 @@
 //   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
 // counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
 // What counts as an answer to a calibration came after the device was told, over the same connection. The button counts
-// if it was seen not pressed a moment before, and pressed in several reports: what was pressed at some time before,
-// when the handle may have been elsewhere, makes the device uncalibrated.
+// if it was seen not pressed a moment before, and pressed for a while (debounced_button.hpp): what was pressed at some
+// time before, when the handle may have been elsewhere, makes the device uncalibrated.
+//   A calibration while the arm pushes, while the handle moves, or where a calibrated arm says that it is not at home,
+// is refused: it would turn the force of the next contact anywhere. The firmware has no command that forgets what its
+// button asked, but one to count from given numbers. So once the handle rests without force the device is told to count
+// on from what it counts: nothing changes, and the button is free. Who moves the handle within the two reports that
+// this takes shifts the count by as much.
 //   A device that says nothing usable for 0.5 s may have been switched off and on.
 //   A force waits for the next report, so the pace of the reports, measured when the device is opened, is its delay.
 // Frame D, the device's: x to the right, y up, z towards the user, 0 in the middle of the workspace [m, N].
@@ -22,8 +27,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 
 #include "servo/devices/arm_kinematics.hpp"
+#include "servo/devices/calibration_refusal.hpp"
+#include "servo/devices/debounced_button.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/devices/polhem_report.hpp"
 #include "servo/devices/report_link.hpp"
@@ -72,20 +80,35 @@ class PolhemDevice final : public Device {
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_D) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
+  [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override;
   [[nodiscard]] bool pressed() const noexcept override { return pressed_; }
   [[nodiscard]] bool write(const Vec3& force_D) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_D) const noexcept override;
 
-  void calibrate() noexcept override;
+  [[nodiscard]] CalibrationRefusal calibrate() noexcept override;
+  // What calibrate() would say now.
+  [[nodiscard]] CalibrationRefusal whyNotCalibrate() const noexcept;
   [[nodiscard]] const ArmCounts& counts() const noexcept { return counts_; }
 
  private:
   void take(const Received& received) noexcept;
   void measurePace();
   [[nodiscard]] int delayTicks() const noexcept;
-  enum class Pending { kNothing, kClearing, kCalibrating };  // what the device was told last, and has not answered
+  enum class Pending {  // what the device was told last, and has not answered
+    kNothing,
+    kForgetting,   // to count from home, uncalibrated
+    kCalibrating,  // to count from home
+    kCountingOn,   // to count from what it counts, after a refusal
+  };
   void tell(Pending what) noexcept;
-  void heedButton(bool asks, bool just_before) noexcept;
+  void heedButton(const PolhemState& state, bool just_before) noexcept;
+  void press() noexcept;
+  void noteRest() noexcept;
+  [[nodiscard]] double time_s() const noexcept;
+  [[nodiscard]] double reportTime_s() const noexcept;
+  [[nodiscard]] bool rests() const noexcept;
+  [[nodiscard]] bool isFree() const noexcept;
+  [[nodiscard]] double way_m(const Vec3& from, const Vec3& to) const noexcept;
   [[nodiscard]] double silence_s() const noexcept;
   [[nodiscard]] bool follows(const PolhemCounts& raw, double longest_m) noexcept;
   void countFrom(const PolhemCounts& raw) noexcept;
@@ -109,17 +132,26 @@ class PolhemDevice final : public Device {
   bool was_unasked_ = false;                  // it came of its own accord
   double report_period_s_ = 0;                // measured at the start; 0: by the simulated clock, or nothing came [s]
   int silent_ticks_ = 0;                      // simulated clock: since the last report that counted
+  std::int64_t ticks_ = 0;                    // simulated clock: since the start
   bool pressed_ = false;                      // the handle's switch
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
   int leaps_ = 0;                                           // in a row
   Vec3 leapt_to_A_ = Vec3::Zero();
-  int asked_reports_ = 0;        // in a row in which the button asks for a calibration
-  bool is_pressed_now_ = false;  // it was seen not to ask a moment before the first of them
+  DebouncedButton button_;
+  bool is_pressed_now_ = false;                                  // it was seen free a moment before it was pressed
+  CalibrationRefusal refused_ = CalibrationRefusal::kNone;       // the last one
+  double refused_s_ = -std::numeric_limits<double>::infinity();  // when that was [s]
+  bool is_refused_ = false;                                      // the device still holds what it asked
+  int unheard_reports_ = 0;   // since the device was told, in which the button still asks
+  Vec3 rest_ = Vec3::Zero();  // angles near which the handle stays [rad]
+  double rests_since_s_ = 0;  // when it came there [s]
+  double pushed_s_ = -std::numeric_limits<double>::infinity();  // when it pushed last [s]
   Pending pending_ = Pending::kNothing;
   std::atomic<bool> calibrated_;
   std::atomic<std::uint64_t> implausible_{0}, calibrations_{0};
+  std::array<std::atomic<std::uint64_t>, kCalibrationRefusals.size()> refusals_{};
 };
 
 }  // namespace palpate

@@ -244,6 +244,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   }
   if (const ForceOff off = device_.forceOff(); off != ForceOff::kNone && off != ForceOff::kInputOnly)
     faults |= bit(ServoFault::kForceOff);
+  if (device_.refusedCalibration() != CalibrationRefusal::kNone) faults |= bit(ServoFault::kCalibrationRefused);
   const double share = guard_.share();
   Vec3 pushed_W = share * out.force_W;
   double stored_J = share * out.stored_J;

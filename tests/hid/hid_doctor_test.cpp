@@ -247,6 +247,26 @@ TEST_F(HidDoctor, CalibratesOnlyAfterEnter) {
   EXPECT_EQ(answered("").status, 2);
 }
 
+// A handle that moves at 0.4 m/s is not in its home position, whoever says so; nor is one that a calibrated arm says is
+// elsewhere.
+TEST_F(HidDoctor, CalibratesNoHandleThatMovesOrIsElsewhere) {
+  std::string csv = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 200; ++i) csv += fmt::format("{},{},0,0\n", 0.25 * i, i % 2 == 0 ? -0.05 : 0.05);
+  write("way.csv", csv);
+  const std::string program = PALPATE_PROGRAM;
+  const Words calibrate = {"calibrate", "--device", "polhem-v1", "--yes"};
+  expectRefusal(on({"--uncalibrated", "--paced", "--path", "way.csv"}, calibrate), "device polhem-v1",
+                "not calibrated: the handle moved; hold it still in its home position", 6);
+  const std::string moved = program + " calibrate --device polhem-v1 --yes";
+  write("still.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n2,0,0,0\n2.5,0.1,0,0\n");
+  const Outcome elsewhere = emulate(
+      {"--uncalibrated", "--paced", "--path", "still.csv"},
+      {"sh", "-c",
+       moved + " && sleep 0.1 && " + program + " doctor --seconds 4 --device polhem-v1 --current-limit 3 && " + moved});
+  EXPECT_EQ(elsewhere.status, 6) << elsewhere.out;
+  EXPECT_THAT(elsewhere.err, HasSubstr("the arm is calibrated, and its handle was not in its home position"));
+}
+
 // As another kind it would count from another home.
 TEST_F(HidDoctor, IsNotCalibratedAsAnotherKind) {
   const std::string program = PALPATE_PROGRAM;

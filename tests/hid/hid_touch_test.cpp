@@ -186,10 +186,19 @@ TEST_F(HidTouch, SaysWhyTheForcesAreOff) {
   const Outcome uncalibrated = on({"--uncalibrated"}, touch + Words{"--current-limit", "3"});
   EXPECT_THAT(uncalibrated.err, HasSubstr("forces are off because the device does not know where its handle is"));
   EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
-  const Outcome asked = on({"--uncalibrated", "--asks-from", "20"}, touch + Words{"--current-limit", "3"});
+  // Its handle must have been seen at rest: a second --seconds takes the place of the first.
+  const Words longer = touch + Words{"--current-limit", "3", "--seconds", "0.4"};
+  const Outcome asked = on({"--uncalibrated", "--asks-from", "200"}, longer);
   EXPECT_EQ(asked.status, 0);
   EXPECT_EQ(figure("calibrations"), 1);
   EXPECT_EQ(summary()["device"]["force_off"], "none");
+  // A calibrated arm says that its handle is in the middle of the workspace, which is not its home.
+  const Outcome refused = on({"--asks-from", "200"}, longer + Words{"--calibrated"});
+  EXPECT_EQ(refused.status, 0);
+  EXPECT_EQ(figure("calibrations"), 0);
+  EXPECT_EQ(figure("calibrations_refused_in_contact") + figure("calibrations_refused_away"), 1);
+  EXPECT_EQ(summary()["device"]["force_off"], "none");
+  EXPECT_THAT(summary()["faults"].dump(), HasSubstr("calibration-refused"));
   // Pressed before anybody looked: where the handle was then nobody knows.
   const Outcome long_ago = on({"--asks-from", "0"}, touch + Words{"--current-limit", "3", "--calibrated"});
   EXPECT_EQ(long_ago.status, 0);

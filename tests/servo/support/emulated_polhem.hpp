@@ -68,7 +68,7 @@ class EmulatedPolhem {
     silent_s_ = 0;
     const auto command =
         parsePolhemCommand(report.content().subspan(1), static_cast<std::size_t>(parameters_.report_bytes));
-    if (command && command->count_from && nears_home_) {
+    if (command && command->count_from && nears_home_ && isHome(*command->count_from)) {
       offset_ = {};
       asks_ = nears_home_ = false;
       currents_A_.setZero();
@@ -103,6 +103,10 @@ class EmulatedPolhem {
   static Vec3 toArm(const Vec3& v) { return {v.z(), v.x(), v.y()}; }
   [[nodiscard]] Vec3 angles() const { return arm_.anglesAt(toArm(state_.position_W)).value(); }
   [[nodiscard]] ArmCounts trueCounts() const { return arm_.countsAt(angles()); }
+  [[nodiscard]] bool isHome(const PolhemCounts& counts) const {
+    const std::array<int, 3>& home = parameters_.home_counts;
+    return counts[0] == home[0] && counts[1] == home[1] && counts[2] == home[2];
+  }
   void passTick() {
     const Vec3 force = force_D();
     forces_D_.push_back(force);
