@@ -50,6 +50,7 @@ struct DeviceBoundary {
 
 struct DeviceLimits {
   double force_limit_N = 0;            // largest force in any direction [N]
+  bool motors_unchecked = false;       // nobody has seen that its motors pull as they should: it exerts less
   double position_resolution_m = 0;    // of its encoders; 0: rounding is negligible [m]
   int force_delay_ticks = 0;           // from write() to the force that acts, in servo ticks
   double slew_limit_N_per_s = 0;       // fastest change of force that it can follow; 0: not stated [N/s]
@@ -58,6 +59,11 @@ struct DeviceLimits {
   double stiffness_limit_N_per_m = 0;  // stiffest contact that its maker states; 0: not stated [N/m]
   double workspace_radius_m = 0;       // around its origin; 0: not stated [m]
 };
+
+// At the handle, of an arm whose motors nobody has checked [N].
+inline constexpr double kUncheckedForce_N = 1;
+
+class JointedArm;
 
 class Device {
  public:
@@ -77,6 +83,9 @@ class Device {
   // The handle is in its home position: a device that counts from there is told so, unless it has a reason to doubt
   // it. forceOff() says when it is done. Before the loop starts, or by the servo thread.
   [[nodiscard]] virtual CalibrationRefusal calibrate() noexcept { return CalibrationRefusal::kNone; }
+
+  // Null: its motors cannot be tried one at a time. Servo thread.
+  [[nodiscard]] virtual JointedArm* arm() noexcept { return nullptr; }
 
   // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
   // before the first tick. A real device leaves this empty.

@@ -24,9 +24,12 @@ constexpr double kJustBefore_s = 0.1;    // so long before it was pressed the bu
 constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
 // The handle rests while it stays within 1 mm for 0.1 s: a hand's tremor does, one that goes at 10 mm/s does not.
 constexpr double kRest_m = 1e-3, kRest_s = 0.1;
-constexpr double kPush_N = 0.05;    // a force that counts as pushing, then and for kRest_s after
-constexpr double kAtHome_m = 0.03;  // a hand puts the handle back to its home position better than that
-constexpr double kTold_s = 2;       // for so long a refusal is told
+constexpr double kPush_N = 0.05;              // a force that counts as pushing, then and for kRest_s after
+constexpr double kAtHome_m = 0.03;            // a hand puts the handle back to its home position better than that
+constexpr double kTried_share = 0.5;          // of the workspace's radius, in which motors are tried
+constexpr double kMostAlike = 0.9;            // cosine of the angle between the ways of two motors, there
+constexpr double kTold_s = 2;                 // for so long a refusal is told
+constexpr std::uint64_t kStreamingBytes = 8;  // a report of the public streaming firmware of WoodenHaptics
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
 constexpr std::size_t kPacedReports = 16;  // by which the pace of its reports is known
@@ -55,6 +58,10 @@ const PolhemParameters& checked(const PolhemParameters& p) {
   checkSetting(p.current_limit_A >= 0, "current limit", p.current_limit_A, "give amperes above 0, or 0: not known");
   checkSetting(p.force_limit_N >= 0, "force limit", p.force_limit_N, "give 0 N or more");
   checkSetting(p.slew_limit_N_per_s >= 0, "slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
+  for (std::size_t k = 0; k < 3; ++k) {
+    checkSetting(p.lowest_rad[k] < p.highest_rad[k], "range of a joint", p.highest_rad[k],
+                 "give a highest angle above the lowest");
+  }
   for (const int home : p.home_counts) {
     checkSetting(std::abs(home) <= std::numeric_limits<std::int16_t>::max(), "home position", home,
                  "give counts of 16 bits");
@@ -69,11 +76,22 @@ PolhemCounts homeOf(const PolhemParameters& p) {
   return home;
 }
 
-LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::atomic<std::uint64_t>& garbage) {
+// Of an arm whose motors are checked nobody needs to know.
+std::vector<PolhemDevice::LookAlike> lookAlikes(const PolhemParameters& p, const PolhemUse& use) {
+  if (use.motors_checked) return {};
+  std::vector<PolhemDevice::LookAlike> all = {{ArmKinematics(p.joints, p.origin_m), p.home_counts}};
+  for (const PolhemParameters& other : use.look_alikes)
+    all.push_back({ArmKinematics(checked(other).joints, other.origin_m), other.home_counts});
+  return all;
+}
+
+LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::atomic<std::uint64_t>& garbage,
+                          std::atomic<std::uint64_t>& garbage_bytes) {
   const auto bytes = static_cast<std::size_t>(p.report_bytes);
-  const auto fold = [bytes, &garbage](Report& known, const Report& report) {
+  const auto fold = [bytes, &garbage, &garbage_bytes](Report& known, const Report& report) {
     if (!parsePolhem(report.content(), bytes)) {
       countOne(garbage);
+      garbage_bytes.store(report.size, std::memory_order_relaxed);
       return false;
     }
     known = report;
@@ -107,7 +125,8 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
     : parameters_(checked(parameters)),
       use_(use),
       arm_(parameters.joints, parameters.origin_m),
-      link_(std::move(open), linkSettings(parameters, use, garbage_)),
+      look_alikes_(lookAlikes(parameters, use)),
+      link_(std::move(open), linkSettings(parameters, use, garbage_, garbage_bytes_)),
       calibrated_(use.calibrated) {
   link_.listen(kListen_ms);
   if (!use_.simulated_clock) link_.start();
@@ -121,12 +140,18 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (received_ns_ == 0) {
-    const bool answered = valueOf(garbage_) > 0;
-    throw Error(Error::Code::kDevice, "device Polhem",
-                answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
-                         : "it answers no report",
-                answered ? "choose the variant that its firmware is (palpate devices)"
-                         : "switch it on, and unplug other programs that use it");
+    const std::uint64_t bytes = valueOf(garbage_bytes_);
+    const bool answered = bytes > 0;
+    const auto known = static_cast<std::uint64_t>(parameters_.report_bytes);
+    std::string why = "it answers no report";
+    if (answered && bytes == known) why = formatted("its reports of {} bytes are not those of a Polhem", known);
+    if (answered && bytes != known) {
+      why = formatted("its reports have {} bytes{}, and not {}: its firmware is another one than those driven here",
+                      bytes, bytes == kStreamingBytes ? ", as the public streaming firmware's" : "", known);
+    }
+    throw Error(Error::Code::kDevice, "device Polhem", why,
+                answered ? "load a firmware that is driven here into it (docs/devices.md)"
+                         : "switch it on, and end other programs that use it");
   }
   if (use_.simulated_clock) return;
   measurePace();
@@ -166,9 +191,14 @@ int PolhemDevice::delayTicks() const noexcept {
   return std::max(1, static_cast<int>(std::ceil(report_period_s_ * use_.rate_hz - 0.25)));
 }
 
+double PolhemDevice::forceLimit_N() const noexcept {
+  return use_.motors_checked ? parameters_.force_limit_N : std::min(parameters_.force_limit_N, kUncheckedForce_N);
+}
+
 DeviceLimits PolhemDevice::limits() const noexcept {
   const Vec3 middle = arm_.anglesAt(Vec3::Zero()).value_or(angles_);
-  return {.force_limit_N = parameters_.force_limit_N,
+  return {.force_limit_N = forceLimit_N(),
+          .motors_unchecked = !use_.motors_checked,
           .position_resolution_m = arm_.resolution_m(middle),
           .force_delay_ticks = delayTicks(),
           .slew_limit_N_per_s = parameters_.slew_limit_N_per_s,
@@ -208,6 +238,7 @@ std::vector<DeviceFigure> PolhemDevice::figures() const {
           {"reports_superseded", value(f.superseded)},
           {"reports_garbled", value(valueOf(garbage_))},
           {"reports_implausible", value(valueOf(implausible_))},
+          {"poses_impossible", value(valueOf(impossible_))},
           {"writes_refused", value(f.refused)},
           {"commands_too_old", value(f.rests)},
           {"disconnects", value(f.disconnects)},
@@ -277,6 +308,16 @@ double PolhemDevice::longestWay_m(const Received& received) const noexcept {
 // When the last report that counted came.
 double PolhemDevice::reportTime_s() const noexcept {
   return use_.simulated_clock ? time_s() : static_cast<double>(received_ns_) / kNanosecondsPerSecond;
+}
+
+// A pose that no such arm has, several times in a row: it is another arm, or was calibrated elsewhere.
+void PolhemDevice::noteImpossible() noexcept {
+  if (isPossible() || !calibrated_.load(std::memory_order_relaxed)) {
+    impossible_poses_ = 0;
+    return;
+  }
+  countOne(impossible_);
+  if (++impossible_poses_ >= kMostLeaps) calibrated_.store(false, std::memory_order_relaxed);
 }
 
 bool PolhemDevice::rests() const noexcept {
@@ -389,6 +430,7 @@ void PolhemDevice::take(const Received& received) noexcept {
   pressed_ = state->pressed;
   angles_ = arm_.angles(counts_);
   position_A_ = arm_.position(angles_);
+  noteImpossible();
   if (is_elsewhere) rest_.setConstant(std::numeric_limits<double>::infinity());
   noteRest();
   heedButton(*state, !begins && since_s <= kJustBefore_s);
@@ -439,8 +481,67 @@ Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcep
   const double largest_A = currents_A.cwiseAbs().maxCoeff();
   share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
   const double size_N = force_D.stableNorm();
-  if (size_N * share > parameters_.force_limit_N) share = parameters_.force_limit_N / size_N;
+  const double limit_N = forceLimit_N();
+  if (size_N * share > limit_N) share = limit_N / size_N;
+  if (use_.motors_checked) return share * currents_A;
+  const double doubtful_N = this->doubtful_N(share * currents_A);
+  if (doubtful_N > kUncheckedForce_N) share *= kUncheckedForce_N / doubtful_N;
   return share * currents_A;
+}
+
+// The most that these currents are at the handle, in whatever order and direction they flow through the motors of
+// whichever arm it may be: each arm knows its pose from the same counts, and has been calibrated in its own home.
+// Without bound where one of them is stretched out.
+double PolhemDevice::doubtful_N(const Vec3& currents_A) const noexcept {
+  const auto sorted = [](const Vec3& v) {
+    Vec3 sizes = v.cwiseAbs();
+    std::sort(sizes.begin(), sizes.end());
+    return sizes;
+  };
+  const Vec3 sizes_A = sorted(currents_A);
+  double most_N = 0;
+  for (const LookAlike& other : look_alikes_) {
+    ArmCounts counts = counts_;
+    for (std::size_t k = 0; k < 3; ++k) counts[k] += other.home_counts[k] - parameters_.home_counts[k];
+    const Eigen::Matrix3d pushes = other.arm.pushes(other.arm.angles(counts));
+    if (!pushes.allFinite()) return sizes_A.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
+    const Vec3 each_N_per_A = pushes.colwise().norm().transpose().cwiseProduct(other.arm.bodyTorques());
+    most_N = std::max(most_N, sizes_A.dot(sorted(each_N_per_A)));
+  }
+  return most_N;
+}
+
+Vec3 PolhemDevice::counts_rad() const noexcept {
+  return {arm_.radPerCount(0), arm_.radPerCount(1), arm_.radPerCount(2)};
+}
+
+// Where the ways of two motors are nearly the same, one cannot be told from the other.
+bool PolhemDevice::canBeTried() const noexcept {
+  const Eigen::Matrix3d pushes = arm_.pushes(angles_);
+  if (!pushes.allFinite() || position_A_.norm() > kTried_share * parameters_.workspace_radius_m) return false;
+  const Eigen::Matrix3d ways = pushes.colwise().normalized();
+  return (ways.transpose() * ways - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kMostAlike;
+}
+
+Vec3 PolhemDevice::levers_m() const noexcept {
+  return arm_.pushes(angles_).colwise().norm().transpose().cwiseInverse();
+}
+
+void PolhemDevice::push(int motor, double force_N) noexcept {
+  if (forceOff() != ForceOff::kNone || !link_.connected() || !std::isfinite(force_N)) return post(Vec3::Zero(), 0);
+  const double within_N = std::clamp(force_N, -kMostTrial_N, kMostTrial_N);
+  Vec3 currents_A = Vec3::Zero();
+  currents_A[motor] = std::clamp(within_N * levers_m()[motor] / arm_.bodyTorques()[motor], -parameters_.current_limit_A,
+                                 parameters_.current_limit_A);
+  post(currents_A, std::abs(within_N));
+}
+
+bool PolhemDevice::isPossible() const noexcept {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double angle = angles_[static_cast<int>(k)];
+    if (!(angle >= parameters_.lowest_rad[k] && angle <= parameters_.highest_rad[k])) return false;
+  }
+  return true;
 }
 
 // A device that is not there exerts no force, so it takes any as none, and a contact begins from none when it is back.
@@ -449,7 +550,12 @@ bool PolhemDevice::write(const Vec3& force_D) noexcept {
   if (!link_.connected()) return true;
   double share = 0;
   const Vec3 currents_A = currentsFor(force_D, share);
-  if (share * force_D.stableNorm() > kPush_N) pushed_s_ = time_s();
+  post(currents_A, share * force_D.stableNorm());
+  return true;
+}
+
+void PolhemDevice::post(const Vec3& currents_A, double force_N) noexcept {
+  if (force_N > kPush_N) pushed_s_ = time_s();
   PolhemCommand command;
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   for (int k = 0; k < 3; ++k) {
@@ -457,7 +563,6 @@ bool PolhemDevice::write(const Vec3& force_D) noexcept {
         static_cast<std::int16_t>(std::lround(std::clamp(kMilliamperesPerAmpere * currents_A[k], -kMost, kMost)));
   }
   link_.post(polhemReport(command, static_cast<std::size_t>(parameters_.report_bytes)), monotonicNow_ns());
-  return true;
 }
 
 Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {

@@ -8,6 +8,10 @@
 // its own. The servo takes a device that is not there as one that holds no force.
 //   Two firmwares with the same USB numbers drive amplifiers of 3 A and 6 A; a current above the amplifier's saturates
 // it. So forces stay off until the limit is given.
+//   Motors whose leads or plugs are swapped, and an arm that is another one than its user says, look right in every
+// position. Until somebody has checked the motors (motor_check.hpp) no force is more than kUncheckedForce_N at the
+// handle, as whichever of the arms with these reports it is, and however its motors are plugged. A calibrated arm whose
+// joints are where this kind's cannot be is not calibrated any more.
 //   A report that is none, or whose position no hand can reach in the time, is counted and not used. A device that
 // counts from elsewhere without being told to has been switched off meanwhile: it is not calibrated any more.
 // What counts as an answer to a calibration came after the device was told, over the same connection. The button counts
@@ -28,12 +32,15 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "servo/devices/arm_kinematics.hpp"
 #include "servo/devices/calibration_refusal.hpp"
 #include "servo/devices/debounced_button.hpp"
 #include "servo/devices/device.hpp"
+#include "servo/devices/jointed_arm.hpp"
 #include "servo/devices/polhem_report.hpp"
+#include "servo/devices/registry.hpp"
 #include "servo/devices/report_link.hpp"
 
 namespace palpate {
@@ -53,7 +60,13 @@ struct PolhemParameters {
   double stiffness_limit_N_per_m = 800;
   double workspace_radius_m = 0.1;
   double mass_kg = 0.15, damping_Ns_per_m = 0.5;
+  // What its joints can be turned to; a half turn: not stated [rad].
+  std::array<double, 3> lowest_rad = {-std::numbers::pi, -std::numbers::pi, -std::numbers::pi};
+  std::array<double, 3> highest_rad = {std::numbers::pi, std::numbers::pi, std::numbers::pi};
 };
+
+// What a table of kinds states, and these parameters' own for the rest.
+[[nodiscard]] PolhemParameters polhemParameters(const DeviceValues& values);
 
 // Throws Error(kBadInput) for parameters that no arm can have.
 void checkPolhem(const PolhemParameters& parameters);
@@ -62,11 +75,13 @@ struct PolhemUse {
   bool simulated_clock = false;
   double rate_hz = 1000;    // of the servo [Hz]
   bool calibrated = false;  // since it was switched on
-  int answer_ms = 10;       // an answer that takes longer counts as lost [ms]
+  bool motors_checked = false;
+  std::vector<PolhemParameters> look_alikes = {};
+  int answer_ms = 10;  // an answer that takes longer counts as lost [ms]
   std::function<void()> thread_begins = {};
 };
 
-class PolhemDevice final : public Device {
+class PolhemDevice final : public Device, private JointedArm {
  public:
   // Waits for the first report and, by the real clock, for the pace of the next ones, 0.2 s at most. Throws Error: as
   // `open` does; kDevice if no report comes, or none that is a Polhem's, or if they come too slowly for this rate.
@@ -85,10 +100,17 @@ class PolhemDevice final : public Device {
   [[nodiscard]] bool write(const Vec3& force_D) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_D) const noexcept override;
 
+  [[nodiscard]] JointedArm* arm() noexcept override { return this; }
   [[nodiscard]] CalibrationRefusal calibrate() noexcept override;
   // What calibrate() would say now.
   [[nodiscard]] CalibrationRefusal whyNotCalibrate() const noexcept;
   [[nodiscard]] const ArmCounts& counts() const noexcept { return counts_; }
+
+  // An arm that it may be.
+  struct LookAlike {
+    ArmKinematics arm;
+    std::array<int, 3> home_counts;
+  };
 
  private:
   void take(const Received& received) noexcept;
@@ -104,6 +126,7 @@ class PolhemDevice final : public Device {
   void heedButton(const PolhemState& state, bool just_before) noexcept;
   void press() noexcept;
   void noteRest() noexcept;
+  void noteImpossible() noexcept;
   [[nodiscard]] double time_s() const noexcept;
   [[nodiscard]] double reportTime_s() const noexcept;
   [[nodiscard]] bool rests() const noexcept;
@@ -117,11 +140,24 @@ class PolhemDevice final : public Device {
   [[nodiscard]] double longestWay_m(const Received& received) const noexcept;
   [[nodiscard]] bool isHome(const PolhemCounts& raw) const noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
+  [[nodiscard]] double forceLimit_N() const noexcept;
+  [[nodiscard]] double doubtful_N(const Vec3& currents_A) const noexcept;
+  [[nodiscard]] bool isPossible() const noexcept;
+  void post(const Vec3& currents_A, double force_N) noexcept;
+
+  [[nodiscard]] Vec3 angles() const noexcept override { return angles_; }
+  [[nodiscard]] Vec3 counts_rad() const noexcept override;
+  [[nodiscard]] bool canBeTried() const noexcept override;
+  [[nodiscard]] Vec3 levers_m() const noexcept override;
+  [[nodiscard]] double mass_kg() const noexcept override { return parameters_.mass_kg; }
+  [[nodiscard]] double damping_Ns_per_m() const noexcept override { return parameters_.damping_Ns_per_m; }
+  void push(int motor, double force_N) noexcept override;
 
   PolhemParameters parameters_;
   PolhemUse use_;
   ArmKinematics arm_;
-  std::atomic<std::uint64_t> garbage_{0};  // counted by the link's thread
+  std::vector<LookAlike> look_alikes_;                        // itself first; where its motors are not checked
+  std::atomic<std::uint64_t> garbage_{0}, garbage_bytes_{0};  // counted by the link's thread; of the last one
   ReportLink link_;
   std::uint64_t seen_ = 0;
   std::atomic<std::uint64_t> connection_{0};  // of the last report that counted
@@ -137,6 +173,7 @@ class PolhemDevice final : public Device {
   PolhemCounts raw_{};
   ArmCounts counts_{};
   Vec3 angles_ = Vec3::Zero(), position_A_ = Vec3::Zero();  // A: the arm's frame (arm_kinematics.hpp)
+  int impossible_poses_ = 0;                                // in a row
   int leaps_ = 0;                                           // in a row
   Vec3 leapt_to_A_ = Vec3::Zero();
   DebouncedButton button_;
@@ -150,7 +187,7 @@ class PolhemDevice final : public Device {
   double pushed_s_ = -std::numeric_limits<double>::infinity();  // when it pushed last [s]
   Pending pending_ = Pending::kNothing;
   std::atomic<bool> calibrated_;
-  std::atomic<std::uint64_t> implausible_{0}, calibrations_{0};
+  std::atomic<std::uint64_t> implausible_{0}, impossible_{0}, calibrations_{0};
   std::array<std::atomic<std::uint64_t>, kCalibrationRefusals.size()> refusals_{};
 };
 

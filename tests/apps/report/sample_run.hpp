@@ -88,6 +88,7 @@ inline TouchRun sampleRun() {
                             {"reports_superseded", 4},
                             {"reports_garbled", 5},
                             {"reports_implausible", 6},
+                            {"poses_impossible", 18},
                             {"writes_refused", 7},
                             {"commands_too_old", 8},
                             {"disconnects", 9},

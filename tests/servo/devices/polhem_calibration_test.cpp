@@ -104,7 +104,7 @@ TEST(PolhemCalibration, IsNotCalibratedByAnAnswerToWhatWasWrittenBefore) {
     }
     return std::optional(answer);
   };
-  PolhemDevice device(atZero(), {.rate_hz = 1000}, cable.opener());
+  PolhemDevice device(atZero(), {.rate_hz = 1000, .motors_checked = true}, cable.opener());
   struct Open {  // after the device, whose destructor waits for the thread
     std::atomic<bool>& gated;
     std::counting_semaphore<>& let;
@@ -148,7 +148,8 @@ TEST(PolhemCalibration, IsNotCalibratedByAButtonOfSomeTimeBefore) {
     EmulatedPolhem emulated(knownPolhem(), {}, resting(), kPolhemTick_s, calibrated);
     emulated.pressCalibration();
     EmulatedCable cable(emulated);
-    PolhemDevice device(knownPolhem(), {.simulated_clock = true, .calibrated = calibrated, .answer_ms = 0},
+    PolhemDevice device(knownPolhem(),
+                        {.simulated_clock = true, .calibrated = calibrated, .motors_checked = true, .answer_ms = 0},
                         cable.opener());
     const auto pass = [&](int ticks) {
       for (int i = 0; i < ticks; ++i) {
@@ -196,6 +197,32 @@ TEST(PolhemCalibration, IsNotCalibratedByOneOddReport) {
   }
 }
 
+// A calibrated arm tells of a pose that its joints do not allow: it is another arm, or was calibrated elsewhere. One
+// that is not calibrated knows no poses.
+TEST(PolhemCalibration, IsNotCalibratedAnyMoreInAPoseThatIsImpossible) {
+  PolhemParameters p = knownPolhem();
+  p.lowest_rad = {-0.3, -0.5, -1};
+  p.highest_rad = {0.3, 1.2, 1.5};
+  // To the right until joint a is turned by more than 0.3 rad: 43 mm at a radius of 140 mm.
+  const auto at = [](double right_m) { return Vec3(right_m, 0, 0); };
+  const SampledPath path({0, 0.05, 0.1, 0.15}, {at(0.03), at(0.03), at(0.06), at(0.06)},
+                         SampledPath::Interpolation::kLinear);
+  HandParameters firm;
+  firm.hand_stiffness_N_per_m = 1e5;
+  firm.hand_damping_Ns_per_m = 200;
+  PolhemBench bench(path, p, true, firm), unknown(path, p, false, firm);
+  bench.pass(50, Vec3(0, 0.2, 0));
+  EXPECT_EQ(bench.figure("poses_impossible"), 0);
+  EXPECT_EQ(bench.device.forceOff(), ForceOff::kNone);
+  bench.pass(60, Vec3(0, 0.2, 0));
+  EXPECT_EQ(bench.figure("poses_impossible"), 3);
+  EXPECT_EQ(bench.figure("reports_implausible"), 0);
+  EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
+  EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero());
+  unknown.pass(110);
+  EXPECT_EQ(unknown.figure("poses_impossible"), 0);
+}
+
 // It says nothing, and then counts from 0: after a short silence its place is one that no hand reaches, after a long
 // one nothing of what was known holds.
 TEST(PolhemCalibration, IsNotCalibratedAnyMoreWhenItStartedAnewInSilence) {
@@ -225,7 +252,7 @@ TEST(PolhemCalibration, ForgetsInSilenceAlsoUnseen) {
     cable.pace = std::chrono::milliseconds(1);
     std::atomic<bool> silent{false};
     cable.spoil = [&](const Report& answer) { return silent ? std::nullopt : std::optional(answer); };
-    PolhemDevice device(knownPolhem(), {.rate_hz = 1000, .calibrated = true}, cable.opener());
+    PolhemDevice device(knownPolhem(), {.rate_hz = 1000, .calibrated = true, .motors_checked = true}, cable.opener());
     EXPECT_EQ(device.forceOff(), ForceOff::kNone);
     silent = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(silent_ms));
@@ -274,7 +301,8 @@ TEST(PolhemCalibration, IsNotCalibratedIfItWasAwayBeforeItsFirstReport) {
     cable.unplugged = false;
     return open();
   };
-  const PolhemDevice device(knownPolhem(), {.simulated_clock = true, .calibrated = true}, again);
+  const PolhemDevice device(knownPolhem(), {.simulated_clock = true, .calibrated = true, .motors_checked = true},
+                            again);
   EXPECT_EQ(device.forceOff(), ForceOff::kUncalibrated);
 }
 

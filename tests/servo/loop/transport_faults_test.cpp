@@ -162,7 +162,8 @@ void press(unsigned seed, std::int64_t& faults) {
   EmulatedPolhem emulated(p, {}, path, 1e-3);
   TroubledCable cable(emulated, 0.12, seed);
   auto polhem = std::make_unique<PolhemDevice>(
-      p, PolhemUse{.simulated_clock = true, .calibrated = true, .answer_ms = 0}, cable.opener());
+      p, PolhemUse{.simulated_clock = true, .calibrated = true, .motors_checked = true, .answer_ms = 0},
+      cable.opener());
   auto calibrating = std::make_unique<SelfCalibrating>(std::move(polhem), emulated);
   PlacedDevice device(std::move(calibrating), {.at_W = pole_W, .edge_stiffness_N_per_m = 0});
   LoopParameters loop;
