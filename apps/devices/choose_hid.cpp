@@ -27,6 +27,12 @@ std::string numbersOf(const DeviceKind& kind) {
   return fmt::format("{} and {} others", fmt::join(ids, ", "), more);
 }
 
+DeviceValues valuesOf(const DeviceKind& kind, const HidInfo& device) {
+  DeviceValues values = kind.values;
+  for (const auto& [key, value] : kind.idOf(device.vendor, device.product)->values) values[key] = value;
+  return values;
+}
+
 [[noreturn]] void refuseOtherUsage(const DeviceKind& kind, const HidInfo& device) {
   throw Error(Error::Code::kNotFound, fmt::format("device {}", kind.name),
               fmt::format("{} has its USB numbers, but is another thing: its usage is {}, not {}", describe(device),
@@ -56,6 +62,22 @@ const HidInfo& chooseAt(const DeviceKind& kind, std::span<const HidInfo> all, co
 }
 
 }  // namespace
+
+CheckedAs HidChoice::asChecked() const {
+  return {.kind = kind,
+          .usb = usbText(device.vendor, device.product),
+          .place = device.serial.empty() ? hidPortName(device.path) : device.serial,
+          .values = values};
+}
+
+std::vector<DeviceKind> lookAlikes(const DeviceKind& kind, const HidInfo& device) {
+  std::vector<DeviceKind> others;
+  for (const DeviceKind& other : knownDeviceKinds()) {
+    if (other.name != kind.name && other.family == kind.family && fitOf(other, device) == Fit::kYes)
+      others.push_back(other);
+  }
+  return others;
+}
 
 // A usage of 0 was not told: libusb does not read it.
 Fit fitOf(const DeviceKind& kind, const HidInfo& device) {
@@ -89,9 +111,9 @@ HidChoice chooseHid(const DeviceKind& kind, const std::string& path, HidBackEnd 
   HidChoice choice;
   choice.device = chooseHid(kind, all, path);
   choice.kind = kind.name;
-  choice.values = kind.values;
-  for (const auto& [key, value] : kind.idOf(choice.device.vendor, choice.device.product)->values)
-    choice.values[key] = value;
+  choice.values = valuesOf(kind, choice.device);
+  for (const DeviceKind& other : lookAlikes(kind, choice.device))
+    choice.look_alikes.push_back(valuesOf(other, choice.device));
   choice.open = [kind, back_end, first = choice.device, opened = false]() mutable {
     if (!opened) {
       std::unique_ptr<ReportPort> port = openHidAlone(first.path, back_end);

@@ -10,6 +10,7 @@
 
 #include "apps/devices/calibration_stamp.hpp"
 #include "apps/devices/device_table.hpp"
+#include "apps/devices/motor_stamp.hpp"
 #include "servo/hid/hid.hpp"
 
 namespace palpate {
@@ -21,6 +22,10 @@ enum class Fit {
 };
 [[nodiscard]] Fit fitOf(const DeviceKind& kind, const HidInfo& device);
 
+// Other kinds that a device may be instead: of the same family and USB numbers, so that nobody can tell from what it
+// says.
+[[nodiscard]] std::vector<DeviceKind> lookAlikes(const DeviceKind& kind, const HidInfo& device);
+
 // The device of this kind; with a path, the one there. Throws Error: kNotFound if there is none, with what is there
 // instead; kBadInput if there are several, or if the path's is another.
 [[nodiscard]] const HidInfo& chooseHid(const DeviceKind& kind, std::span<const HidInfo> all, const std::string& path);
@@ -30,6 +35,9 @@ struct HidChoice {
   DeviceValues values;  // of the kind, and of these USB numbers
   [[nodiscard]] CalibratedAs asCalibrated() const { return {.path = device.path, .kind = kind, .values = values}; }
   std::string kind;  // its name
+  // Of other kinds with these USB numbers, which it may be instead; and its motors, as this kind (motor_stamp.hpp).
+  std::vector<DeviceValues> look_alikes;
+  [[nodiscard]] CheckedAs asChecked() const;
   // Opens the device for this program alone (hid_lock.hpp); again after it was unplugged, wherever it is plugged in
   // then. It knows it by its serial number, if it has one, else by its kind.
   PortOpener open;

@@ -88,6 +88,11 @@ class LockedPort final : public ReportPort {
 
 }  // namespace
 
+std::string hidPortName(const std::string& device, const fs::path& sys) {
+  const std::string port = usbPort(device, sys);
+  return port.empty() ? device : port;
+}
+
 // The number of its file tells apart two of the same name, as emulated ones.
 std::string hidLockName(const std::string& device, const fs::path& sys) {
   const std::string port = usbPort(device, sys);

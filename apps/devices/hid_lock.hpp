@@ -20,6 +20,9 @@ namespace palpate {
 // `sys`: where /sys is.
 [[nodiscard]] std::string hidLockName(const std::string& device, const std::filesystem::path& sys = "/sys");
 
+// Where it is plugged in, "1-2.3", by hidraw and by libusb; the path itself where that is not known.
+[[nodiscard]] std::string hidPortName(const std::string& device, const std::filesystem::path& sys = "/sys");
+
 // Throws Error as openHid() does, and kDevice if another program holds the device, with which one.
 [[nodiscard]] std::unique_ptr<ReportPort> openHidAlone(const std::string& path, HidBackEnd back_end);
 

@@ -29,7 +29,8 @@ using State = Finding::State;
 
 constexpr double kSeenMotion_m = 1e-3;
 constexpr double kNoGoodShare = 0.5;  // of the reports: with more of them garbled or impossible no force is any good
-constexpr const char* kMendReports = "see that --device names what it is (palpate devices), and use another cable";
+constexpr const char* kMendReports =
+    "see that --device names what it is ('palpate devices' lists the kinds), and use another cable";
 constexpr double kLateShare = 0.5;  // of a period: a tick that wakes later leaves the device too little
 
 bool exertsForces(const DeviceKind& kind) {
@@ -37,6 +38,16 @@ bool exertsForces(const DeviceKind& kind) {
     if (p.key == "force_limit_N") return true;
   }
   return false;
+}
+
+// What of an arm can be seen and measured.
+std::string looksOf(const DeviceKind& kind) {
+  const auto value = [&](const char* key) {
+    const auto at = kind.values.find(key);
+    return at != kind.values.end() ? at->second : deviceParameter(kind.family, key).usual;
+  };
+  return fmt::format("links of {:g} and {:g} mm, motor a of {:g} and b of {:g} mNm/A", 1e3 * value("length_b_m"),
+                     1e3 * value("length_c_m"), 1e3 * value("torque_a_Nm_per_A"), 1e3 * value("torque_b_Nm_per_A"));
 }
 
 constexpr const char* kHowToRealTime =
@@ -140,14 +151,33 @@ class Doctor {
       HidChoice choice = chooseHid(*kind_, request_.device_path, backEnd());
       tried_path_ = choice.device.path;
       const std::string words = describe(choice.device);
+      tellLookAlikes(choice.device);
       DeviceSetup setup{.rate_hz = request_.rate_hz, .calibrated = request_.calibrated};
       if (request_.current_limit_A) setup.values["current_limit_A"] = *request_.current_limit_A;
       device_ = openChosenDevice(*kind_, std::move(choice), std::move(setup));
       find(State::kGood, "device", fmt::format("{} answers: {}", kind_->name, words));
+      if (device_->limits().motors_unchecked) {
+        find(State::kNote, "motors",
+             fmt::format("nobody has checked that they pull the right way, so forces stay below {:g} N",
+                         kUncheckedForce_N),
+             fmt::format("palpate calibrate --device {} --check", kind_->name));
+      }
     } catch (const Error& error) {
       trouble_ = error;
       find(State::kBad, "device", fmt::format("{}: {}", error.input(), error.reason()), error.remedy());
     }
+  }
+
+  // Kinds that nobody can tell from this one by what it says, and what a user can tell them apart by.
+  void tellLookAlikes(const HidInfo& device) {
+    std::vector<std::string> others;
+    for (const DeviceKind& other : lookAlikes(*kind_, device))
+      others.push_back(fmt::format("{} ({})", other.name, looksOf(other)));
+    if (others.empty()) return;
+    find(State::kNote, "look-alikes",
+         fmt::format("it was named {} ({}); by its reports it could be {}", kind_->name, looksOf(*kind_),
+                     fmt::join(others, ", ")),
+         "measure its links, and read its motors' type off them");
   }
 
   void lookAtLimits() {
@@ -240,6 +270,13 @@ class Doctor {
              trial.reports_per_s, figure("reports_lost"), figure("reports_garbled"), figure("reports_implausible"),
              figure("write_p50_us"), figure("write_p99_us")),
          bad > 0.01 * came ? "use another cable or port, without a hub" : "");
+    if (figure("poses_impossible") > 0) {
+      find(State::kBad, "device",
+           fmt::format("{:.0f} reports tell of a pose that no {} has", figure("poses_impossible"), kind_->name),
+           fmt::format(
+               "see that it is one, hold its handle in its home position, and run 'palpate calibrate --device {}'",
+               kind_->name));
+    }
     is_garbled_ = exertsForces(*kind_) && useless > kNoGoodShare * came;
     if (is_garbled_) return find(State::kBad, "device", "most of its reports cannot be used", kMendReports);
     if (trial.motion_m >= kSeenMotion_m)
@@ -275,7 +312,7 @@ class Doctor {
       return off(std::string(wordsOf(ForceOff::kInputOnly).reason), std::string(wordsOf(ForceOff::kInputOnly).remedy));
     if (!ambiguous_.empty()) {
       return off(fmt::format("its USB numbers do not say which arm it is ({})", fmt::join(ambiguous_, ", ")),
-                 fmt::format("say it, as --device {}", ambiguous_.front()));
+                 fmt::format("measure its links (look-alikes above) and say it, as --device {}", ambiguous_.front()));
     }
     if (silent_) return off("the device does not answer any more", "switch it off and on, and try again");
     if (is_garbled_) return off("most of the device's reports cannot be used", kMendReports);

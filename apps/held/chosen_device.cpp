@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "apps/devices/calibration_stamp.hpp"
+#include "apps/devices/motor_stamp.hpp"
 
 namespace palpate {
 namespace {
@@ -29,6 +30,8 @@ std::shared_ptr<Device> openChosenDevice(const DeviceKind& kind, HidChoice choic
   const auto first = std::make_shared<std::unique_ptr<ReportPort>>(choice.open());
   CalibrationStamp stamp(as);
   const bool was_stamped = stamp.take();
+  setup.motors_checked = MotorStamp(choice.asChecked()).isThere();
+  setup.look_alikes = choice.look_alikes;
   for (const auto& [key, value] : choice.values) setup.values.try_emplace(key, value);
   setup.calibrated = setup.calibrated || was_stamped;
   setup.open = [first, again = std::move(choice.open)] { return *first ? std::move(*first) : again(); };

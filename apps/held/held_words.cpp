@@ -18,6 +18,13 @@ double roundedDown(double value) {
 
 }  // namespace
 
+std::string uncheckedWords(const std::string& kind) {
+  return fmt::format(
+      "nobody has checked that its motors pull the right way, so forces stay below {:g} N, whatever arm it "
+      "is; 'palpate calibrate --device {} --check' does it",
+      kUncheckedForce_N, kind);
+}
+
 std::vector<std::string> heldDeviceWords(const std::string& name, const Device& device, const Placement& placement,
                                          double stiffness_N_per_m) {
   std::vector<std::string> words;
@@ -30,6 +37,7 @@ std::vector<std::string> heldDeviceWords(const std::string& name, const Device& 
     const ForceOffWords off = wordsOf(why);
     words.push_back(fmt::format("forces are off because {}; {}", off.reason, off.remedy));
   }
+  if (device.limits().motors_unchecked) words.push_back(uncheckedWords(name));
   const double most = device.limits().stiffness_limit_N_per_m;
   if (most > 0 && stiffness_N_per_m > most) {
     words.push_back(

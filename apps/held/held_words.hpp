@@ -10,6 +10,9 @@
 
 namespace palpate {
 
+// Of a device whose motors nobody has checked.
+[[nodiscard]] std::string uncheckedWords(const std::string& kind);
+
 // How the device of this name lies in the scene, why it exerts no force, if it does not, and what its maker advises
 // against.
 [[nodiscard]] std::vector<std::string> heldDeviceWords(const std::string& name, const Device& device,

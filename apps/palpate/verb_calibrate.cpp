@@ -14,7 +14,10 @@
 #include "apps/devices/choose_hid.hpp"
 #include "apps/held/chosen_device.hpp"
 #include "base/error.hpp"
+#include "check_motors.hpp"
 #include "device_arguments.hpp"
+#include "servo/devices/calibration_refusal.hpp"
+#include "servo/devices/jointed_arm.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/hid/hid.hpp"
 #include "verbs.hpp"
@@ -24,10 +27,10 @@ namespace {
 
 struct CalibrateArguments {
   std::string device, path;
-  bool by_libusb = false, yes = false;
+  bool by_libusb = false, yes = false, check = false, calibrated = false;
 };
 
-constexpr int kPatience_ms = 2000;
+constexpr int kSettles_ms = 500, kPatience_ms = 2000;
 
 void awaitEnter() {
   printText("Put the handle into its home position and hold it there, then press Enter. ");
@@ -42,12 +45,50 @@ void awaitEnter() {
   throwIfInterrupted("palpate calibrate");
 }
 
+// A millisecond of the device without force.
+void follow(Device& device) {
+  Vec3 position;
+  static_cast<void>(device.read(position));
+  static_cast<void>(device.write(Vec3::Zero()));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+// Whoever has just let go of the key may still move the handle: so it may come to rest first.
+void calibrateAtRest(Device& device, const std::string& named) {
+  CalibrationRefusal why = CalibrationRefusal::kMoving;
+  for (int waited_ms = 0; why == CalibrationRefusal::kMoving && waited_ms < kSettles_ms; ++waited_ms) {
+    follow(device);
+    why = device.calibrate();
+  }
+  if (why != CalibrationRefusal::kNone && device.forceOff() != ForceOff::kDisconnected) {
+    const CalibrationRefusalWords words = wordsOf(why);
+    throw Error(Error::Code::kDevice, named, fmt::format("not calibrated: {}", words.reason),
+                std::string(words.remedy));
+  }
+  for (int waited_ms = 0; device.forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms)
+    follow(device);
+}
+
 // Another device may be at its place now.
 bool wasAway(const Device& device) {
   for (const DeviceFigure& figure : device.figures()) {
     if (figure.key == "disconnects" && figure.value > 0) return true;
   }
   return false;
+}
+
+void calibrateHere(Device& device, const CalibrateArguments& arguments) {
+  if (!arguments.yes) awaitEnter();
+  const std::string named = fmt::format("device {}", arguments.device);
+  calibrateAtRest(device, named);
+  if (wasAway(device)) {
+    throw Error(Error::Code::kDevice, named, "it was unplugged meanwhile",
+                "plug it in, leave it so, and start again with its handle in the home position");
+  }
+  if (device.forceOff() != ForceOff::kNone) {
+    throw Error(Error::Code::kDevice, named, "it did not count from its home position",
+                "hold the handle still, and see with 'palpate doctor' that it answers");
+  }
 }
 
 void calibrate(const CalibrateArguments& arguments) {
@@ -58,8 +99,12 @@ void calibrate(const CalibrateArguments& arguments) {
   }
   HidChoice choice = chooseHid(*kind, arguments.path, arguments.by_libusb ? HidBackEnd::kLibusb : HidBackEnd::kHidraw);
   const CalibratedAs as = choice.asCalibrated();
-  DeviceSetup setup;
-  // Limits matter for forces alone, of which there are none here; without one the device would say nothing else.
+  const MotorStamp motors(choice.asChecked());
+  std::vector<std::string> look_alikes;
+  for (const DeviceKind& other : lookAlikes(*kind, choice.device)) look_alikes.push_back(other.name);
+  DeviceSetup setup{.calibrated = arguments.calibrated};
+  // Limits matter for forces alone, of which there are none here but those of a check, which it holds itself; without
+  // one the device would say nothing else.
   for (const DeviceParameter& p : deviceEntry(kind->family).parameters())
     if (p.key == "current_limit_A" || p.key == "force_limit_N") setup.values[std::string(p.key)] = p.highest;
   std::shared_ptr<Device> device = openChosenDevice(*kind, std::move(choice), std::move(setup));
@@ -67,22 +112,18 @@ void calibrate(const CalibrateArguments& arguments) {
     printResult("{} needs no calibration.\n", arguments.device);
     return;
   }
-  if (!arguments.yes) awaitEnter();
-  device->calibrate();
-  Vec3 position = Vec3::Zero();
-  for (int waited_ms = 0; device->forceOff() == ForceOff::kUncalibrated && waited_ms < kPatience_ms; ++waited_ms) {
-    static_cast<void>(device->read(position));
-    static_cast<void>(device->write(Vec3::Zero()));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  const std::string named = fmt::format("device {}", arguments.device);
-  if (wasAway(*device)) {
-    throw Error(Error::Code::kDevice, named, "it was unplugged meanwhile",
-                "plug it in, leave it so, and start again with its handle in the home position");
-  }
-  if (device->forceOff() != ForceOff::kNone) {
-    throw Error(Error::Code::kDevice, named, "it did not count from its home position",
-                "hold the handle still, and see with 'palpate doctor' that it answers");
+  if (arguments.check && device->arm() == nullptr)
+    refuse("--check", fmt::format("{} has no motors that could be checked", arguments.device), "leave it out");
+  const bool is_known = arguments.check && device->forceOff() == ForceOff::kNone;
+  if (!is_known) calibrateHere(*device, arguments);
+  if (arguments.check) {
+    motors.remove();  // what was found out before does not hold if this ends early
+    checkMotors(*device, arguments.device, look_alikes);
+    device.reset();
+    printResult("The motors of {} pull the right way{}.\n", arguments.device,
+                motors.put() ? fmt::format(", which is kept in {}", motors.file().string())
+                             : "; this cannot be kept, since there is no folder for it (XDG_STATE_HOME)");
+    return;
   }
   device.reset();  // which leaves its stamp
   const bool kept = CalibrationStamp(as).isThere();
@@ -101,6 +142,11 @@ void addCalibrateVerb(CLI::App& app) {
   addDeviceFlags(*verb, {.device = arguments->device, .path = arguments->path, .by_libusb = arguments->by_libusb});
   verb->get_option("--device")->required();
   verb->add_flag("--yes", arguments->yes, "it is there now; do not ask");
+  verb->add_flag("--check", arguments->check,
+                 "see that its motors pull the right way: without that no force is more than 1 N");
+  verb->add_flag("--calibrated", arguments->calibrated,
+                 "it was calibrated since it was switched on, by another program: only check it")
+      ->needs("--check");
   verb->callback([arguments] { calibrate(*arguments); });
 }
 

@@ -9,7 +9,8 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kToldFaults = bit(ServoFault::kNonFiniteForce) | bit(ServoFault::kDeviceError) |
-                                      bit(ServoFault::kStall) | bit(ServoFault::kUnstable) | bit(ServoFault::kForceOff);
+                                      bit(ServoFault::kStall) | bit(ServoFault::kUnstable) |
+                                      bit(ServoFault::kForceOff) | bit(ServoFault::kCalibrationRefused);
 
 }  // namespace
 

@@ -110,6 +110,7 @@ wire::DeviceMadeT wireOf(const Device& device) {
   wire::DeviceMadeT wire;
   wire.name = device.name();
   wire.force_limit_N = limits.force_limit_N;
+  wire.motors_unchecked = limits.motors_unchecked;
   wire.position_resolution_m = limits.position_resolution_m;
   wire.force_delay_ticks = limits.force_delay_ticks;
   wire.slew_limit_N_per_s = limits.slew_limit_N_per_s;
@@ -141,6 +142,7 @@ DeviceLimits limitsOf(const wire::DeviceMadeT& wire) {
                        formatted("its force is late by {} ticks, which none is", wire.force_delay_ticks));
   }
   return {.force_limit_N = wire.force_limit_N,
+          .motors_unchecked = wire.motors_unchecked,
           .position_resolution_m = wire.position_resolution_m,
           .force_delay_ticks = wire.force_delay_ticks,
           .slew_limit_N_per_s = wire.slew_limit_N_per_s,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace palpate {
@@ -48,23 +49,29 @@ Eigen::Matrix3d ArmKinematics::jacobian(const Vec3& angles) const noexcept {
 }
 
 Vec3 ArmKinematics::currents(const Vec3& force_A, const Vec3& angles) const noexcept {
-  Vec3 currents_A = jacobian(angles).transpose() * force_A;  // torques of the bodies, so far
+  return (jacobian(angles).transpose() * force_A).cwiseQuotient(bodyTorques());
+}
+
+Vec3 ArmKinematics::bodyTorques() const noexcept {
+  Vec3 torques;
   for (int k = 0; k < 3; ++k) {
     const ArmJoint& joint = joints_[static_cast<std::size_t>(k)];
-    currents_A[k] *= ratio(joint) / joint.torque_Nm_per_A;
+    torques[k] = joint.torque_Nm_per_A / ratio(joint);
   }
-  return currents_A;
+  return torques;
+}
+
+Eigen::Matrix3d ArmKinematics::pushes(const Vec3& angles) const noexcept {
+  const Eigen::Matrix3d j = jacobian(angles);
+  if (!(std::abs(j.determinant()) > kLeastDeterminant))
+    return Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity());
+  return j.transpose().inverse();
 }
 
 Vec3 ArmKinematics::force(const Vec3& currents_A, const Vec3& angles) const noexcept {
   const Eigen::Matrix3d j = jacobian(angles);
   if (!(std::abs(j.determinant()) > kLeastDeterminant)) return Vec3::Zero();
-  Vec3 torques_Nm;
-  for (int k = 0; k < 3; ++k) {
-    const ArmJoint& joint = joints_[static_cast<std::size_t>(k)];
-    torques_Nm[k] = currents_A[k] * joint.torque_Nm_per_A / ratio(joint);
-  }
-  return j.transpose().inverse() * torques_Nm;
+  return j.transpose().inverse() * currents_A.cwiseProduct(bodyTorques());
 }
 
 // With C' = pi - C, from straight up, the two links are a chain in the plane of the arm: its elbow's angle q = C' - B

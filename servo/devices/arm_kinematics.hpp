@@ -39,15 +39,18 @@ class ArmKinematics {
   [[nodiscard]] Vec3 currents(const Vec3& force_A, const Vec3& angles) const noexcept;  // tau = J^T F, [A]
   // The force that currents exert; zero where the arm is stretched out and the Jacobian has no inverse.
   [[nodiscard]] Vec3 force(const Vec3& currents_A, const Vec3& angles) const noexcept;
+  // The columns of J^-T, the forces of 1 Nm at each body; infinite where the arm is stretched out [1/m].
+  [[nodiscard]] Eigen::Matrix3d pushes(const Vec3& angles) const noexcept;
+  // The torque of each body for a current of its motor [Nm/A].
+  [[nodiscard]] Vec3 bodyTorques() const noexcept;
   // The angles of a position, the elbow turned away from the user; empty: out of reach.
   [[nodiscard]] std::optional<Vec3> anglesAt(const Vec3& position_A) const noexcept;
   [[nodiscard]] ArmCounts countsAt(const Vec3& angles) const noexcept;  // rounded
+  [[nodiscard]] double radPerCount(std::size_t joint) const noexcept;
   // The longest way of one count of any encoder, at these angles [m].
   [[nodiscard]] double resolution_m(const Vec3& angles) const noexcept;
 
  private:
-  [[nodiscard]] double radPerCount(std::size_t joint) const noexcept;
-
   std::array<ArmJoint, 3> joints_;
   Vec3 origin_m_;
 };

@@ -30,6 +30,14 @@ enum class ForceOff : std::uint8_t {
   kClutched,        // its handle's switch is pressed
 };
 
+// Why a device does not take its handle's place for its home position; calibration_refusal.hpp has the words.
+enum class CalibrationRefusal : std::uint8_t {
+  kNone,     // it does take it
+  kContact,  // it pushes the hand, or did a moment ago
+  kMoving,   // the handle moves, or has not been seen at rest yet
+  kAway,     // the device is calibrated, and says that the handle is elsewhere
+};
+
 // A count or a time that a device tells of itself, for summaries.
 struct DeviceFigure {
   std::string_view key;  // "reports_lost", "write_p99_us"
@@ -43,6 +51,7 @@ struct DeviceBoundary {
 
 struct DeviceLimits {
   double force_limit_N = 0;            // largest force in any direction [N]
+  bool motors_unchecked = false;       // nobody has seen that its motors pull as they should: it exerts less
   double position_resolution_m = 0;    // of its encoders; 0: rounding is negligible [m]
   int force_delay_ticks = 0;           // from write() to the force that acts, in servo ticks
   double slew_limit_N_per_s = 0;       // fastest change of force that it can follow; 0: not stated [N/s]
@@ -53,6 +62,11 @@ struct DeviceLimits {
   bool is_held = false;      // a person holds it, and its motors move that hand: no force of it may begin at once
   MotionBounds motion = {};  // what its handle can do
 };
+
+// At the handle, of an arm whose motors nobody has checked [N].
+inline constexpr double kUncheckedForce_N = 1;
+
+class JointedArm;
 
 class Device {
  public:
@@ -69,9 +83,12 @@ class Device {
   // What happened so far. Any thread; allocates.
   [[nodiscard]] virtual std::vector<DeviceFigure> figures() const { return {}; }
 
-  // The handle is in its home position: a device that counts from there is told so. forceOff() says when it is done.
-  // Before the loop starts, or by the servo thread.
-  virtual void calibrate() noexcept {}
+  // The handle is in its home position: a device that counts from there is told so, unless it has a reason to doubt
+  // it. forceOff() says when it is done. Before the loop starts, or by the servo thread.
+  [[nodiscard]] virtual CalibrationRefusal calibrate() noexcept { return CalibrationRefusal::kNone; }
+
+  // Null: its motors cannot be tried one at a time. Servo thread.
+  [[nodiscard]] virtual JointedArm* arm() noexcept { return nullptr; }
 
   // Advances simulated time. `ticks`: grid periods since the last tick: 1, or more after missed deadlines. Not called
   // before the first tick. A real device leaves this empty.
@@ -82,6 +99,9 @@ class Device {
   // ago the newest one came. A device that answers each read() at once leaves this 0. If the age is not less than the
   // time since the last tick, the servo treats the position as one that it has already used.
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
+  // Why a calibration was refused that somebody asked for in the last seconds, as by a button; kNone: none was. Servo
+  // thread, after read().
+  [[nodiscard]] virtual CalibrationRefusal refusedCalibration() const noexcept { return CalibrationRefusal::kNone; }
   // Whether its handle's switch is pressed; servo thread, after read().
   [[nodiscard]] virtual bool pressed() const noexcept { return false; }
   // No motion leads to the position that the last read() gave: a run begins there, or goes on there. Servo thread.

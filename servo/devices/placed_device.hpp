@@ -50,6 +50,9 @@ class PlacedDevice final : public Device {
   void elapse(int ticks) noexcept override { device_->elapse(ticks); }
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override { return device_->reportAge_ns(); }
+  [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override {
+    return device_->refusedCalibration();
+  }
   [[nodiscard]] bool pressed() const noexcept override { return device_->pressed(); }
   void beginAnew() noexcept override;
   void endRun() noexcept override { device_->endRun(); }

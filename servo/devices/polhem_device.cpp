@@ -17,12 +17,19 @@
 namespace palpate {
 namespace {
 
-constexpr int kMostLeaps = 3;           // in a row: the device does count from elsewhere
-constexpr double kLongestLeap_m = 0.1;  // however long it said nothing: half a second is enough for a new start
-constexpr double kForgets_s = 0.5;      // of silence; the firmware takes 1 s to start
-constexpr int kSureReports = 3;         // in a row that say that the button is pressed
-constexpr double kJustBefore_s = 0.1;   // so long before it was seen not pressed
-constexpr int kAskAgain = 100;          // reports after which a calibration that was not heard is told again
+constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
+constexpr double kLongestLeap_m = 0.1;   // however long it said nothing: half a second is enough for a new start
+constexpr double kForgets_s = 0.5;       // of silence; the firmware takes 1 s to start
+constexpr double kJustBefore_s = 0.1;    // so long before it was pressed the button was seen free
+constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
+// The handle rests while it stays within 1 mm for 0.1 s: a hand's tremor does, one that goes at 10 mm/s does not.
+constexpr double kRest_m = 1e-3, kRest_s = 0.1;
+constexpr double kPush_N = 0.05;              // a force that counts as pushing, then and for kRest_s after
+constexpr double kAtHome_m = 0.03;            // a hand puts the handle back to its home position better than that
+constexpr double kTried_share = 0.5;          // of the workspace's radius, in which motors are tried
+constexpr double kMostAlike = 0.9;            // cosine of the angle between the ways of two motors, there
+constexpr double kTold_s = 2;                 // for so long a refusal is told
+constexpr std::uint64_t kStreamingBytes = 8;  // a report of the public streaming firmware of WoodenHaptics
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
 constexpr std::size_t kPacedReports = 16;  // by which the pace of its reports is known
@@ -55,6 +62,10 @@ const PolhemParameters& checked(const PolhemParameters& p) {
                "give continuous_current_A and heating_s both, or neither");
   checkSetting(p.force_limit_N >= 0, "force limit", p.force_limit_N, "give 0 N or more");
   checkSetting(p.slew_limit_N_per_s >= 0, "slew limit", p.slew_limit_N_per_s, "give 0 N/s (none) or more");
+  for (std::size_t k = 0; k < 3; ++k) {
+    checkSetting(p.lowest_rad[k] < p.highest_rad[k], "range of a joint", p.highest_rad[k],
+                 "give a highest angle above the lowest");
+  }
   for (const int home : p.home_counts) {
     checkSetting(std::abs(home) <= std::numeric_limits<std::int16_t>::max(), "home position", home,
                  "give counts of 16 bits");
@@ -69,18 +80,28 @@ PolhemCounts homeOf(const PolhemParameters& p) {
   return home;
 }
 
-LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::atomic<std::uint64_t>& garbage) {
+// Of an arm whose motors are checked nobody needs to know.
+std::vector<PolhemDevice::LookAlike> lookAlikes(const PolhemParameters& p, const PolhemUse& use) {
+  if (use.motors_checked) return {};
+  std::vector<PolhemDevice::LookAlike> all = {{ArmKinematics(p.joints, p.origin_m), p.home_counts}};
+  for (const PolhemParameters& other : use.look_alikes)
+    all.push_back({ArmKinematics(checked(other).joints, other.origin_m), other.home_counts});
+  return all;
+}
+
+LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::atomic<std::uint64_t>& garbage,
+                          std::atomic<std::uint64_t>& garbage_bytes) {
   const auto bytes = static_cast<std::size_t>(p.report_bytes);
-  const auto fold = [bytes, &garbage](Report& known, const Report& report) {
+  const auto fold = [bytes, &garbage, &garbage_bytes](Report& known, const Report& report) {
     if (!parsePolhem(report.content(), bytes)) {
       countOne(garbage);
+      garbage_bytes.store(report.size, std::memory_order_relaxed);
       return false;
     }
     known = report;
     return true;
   };
   return {.rest = polhemReport({}, bytes),
-          .on_request = polhemReport({.count_from = homeOf(p)}, bytes),
           .answer_ms = use.answer_ms,
           .forgets_s = kForgets_s,
           .fold = fold,
@@ -108,7 +129,8 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
     : parameters_(checked(parameters)),
       use_(use),
       arm_(parameters.joints, parameters.origin_m),
-      link_(std::move(open), linkSettings(parameters, use, garbage_)),
+      look_alikes_(lookAlikes(parameters, use)),
+      link_(std::move(open), linkSettings(parameters, use, garbage_, garbage_bytes_)),
       motion_(kHandMotion, arm_.resolution_m(arm_.anglesAt(Vec3::Zero()).value_or(Vec3::Zero()))),
       heat_(parameters.continuous_current_A, parameters.heating_s),
       calibrated_(use.calibrated) {
@@ -124,12 +146,18 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (received_ns_ == 0) {
-    const bool answered = valueOf(garbage_) > 0;
-    throw Error(Error::Code::kDevice, "device Polhem",
-                answered ? formatted("its reports are not those of a Polhem with {} bytes", parameters_.report_bytes)
-                         : "it answers no report",
-                answered ? "choose the variant that its firmware is (palpate devices)"
-                         : "switch it on, and unplug other programs that use it");
+    const std::uint64_t bytes = valueOf(garbage_bytes_);
+    const bool answered = bytes > 0;
+    const auto known = static_cast<std::uint64_t>(parameters_.report_bytes);
+    std::string why = "it answers no report";
+    if (answered && bytes == known) why = formatted("its reports of {} bytes are not those of a Polhem", known);
+    if (answered && bytes != known) {
+      why = formatted("its reports have {} bytes{}, and not {}: its firmware is another one than those driven here",
+                      bytes, bytes == kStreamingBytes ? ", as the public streaming firmware's" : "", known);
+    }
+    throw Error(Error::Code::kDevice, "device Polhem", why,
+                answered ? "load a firmware that is driven here into it (docs/devices.md)"
+                         : "switch it on, and end other programs that use it");
   }
   if (use_.simulated_clock) return;
   measurePace();
@@ -169,9 +197,14 @@ int PolhemDevice::delayTicks() const noexcept {
   return std::max(1, static_cast<int>(std::ceil(report_period_s_ * use_.rate_hz - 0.25)));
 }
 
+double PolhemDevice::forceLimit_N() const noexcept {
+  return use_.motors_checked ? parameters_.force_limit_N : std::min(parameters_.force_limit_N, kUncheckedForce_N);
+}
+
 DeviceLimits PolhemDevice::limits() const noexcept {
   const Vec3 middle = arm_.anglesAt(Vec3::Zero()).value_or(angles_);
-  return {.force_limit_N = parameters_.force_limit_N,
+  return {.force_limit_N = forceLimit_N(),
+          .motors_unchecked = !use_.motors_checked,
           .position_resolution_m = arm_.resolution_m(middle),
           .force_delay_ticks = delayTicks(),
           .slew_limit_N_per_s = parameters_.slew_limit_N_per_s,
@@ -213,11 +246,15 @@ std::vector<DeviceFigure> PolhemDevice::figures() const {
           {"reports_superseded", value(f.superseded)},
           {"reports_garbled", value(valueOf(garbage_))},
           {"reports_implausible", value(valueOf(implausible_))},
+          {"poses_impossible", value(valueOf(impossible_))},
           {"writes_refused", value(f.refused)},
           {"commands_too_old", value(f.rests)},
           {"disconnects", value(f.disconnects)},
           {"reconnects", value(f.reconnects)},
           {"calibrations", value(valueOf(calibrations_))},
+          {wordsOf(kCalibrationRefusals[0]).figure, value(valueOf(refusals_[0]))},
+          {wordsOf(kCalibrationRefusals[1]).figure, value(valueOf(refusals_[1]))},
+          {wordsOf(kCalibrationRefusals[2]).figure, value(valueOf(refusals_[2]))},
           {"calibrated", calibrated_.load(std::memory_order_relaxed) ? 1.0 : 0.0},
           {"report_period_us", report_period_s_ * 1e6},
           {"write_p50_us", f.write_p50_us},
@@ -231,6 +268,7 @@ void PolhemDevice::elapse(int ticks) noexcept {
     link_.exchange();
     ++silent_ticks_;
     ++ticks_since_write_;
+    ++ticks_;
     take(link_.newest());
   }
 }
@@ -281,15 +319,84 @@ double PolhemDevice::longestWay_m(const Interval& since) const noexcept {
                   motion_.longestWay_m(spoken_s, since.waited_s) + (since.silent_s > 0 ? kLongestLeap_m : 0));
 }
 
-// The firmware holds what the button asked until it is told to count from home, which it then does from where the
-// handle is at that moment.
-void PolhemDevice::heedButton(bool asks, bool just_before) noexcept {
-  if (!asks) {
-    asked_reports_ = 0;
+// When the last report that counted came.
+double PolhemDevice::reportTime_s() const noexcept {
+  return use_.simulated_clock ? time_s() : static_cast<double>(received_ns_) / kNanosecondsPerSecond;
+}
+
+// A pose that no such arm has, several times in a row: it is another arm, or was calibrated elsewhere.
+void PolhemDevice::noteImpossible() noexcept {
+  if (isPossible() || !calibrated_.load(std::memory_order_relaxed)) {
+    impossible_poses_ = 0;
     return;
   }
-  if (asked_reports_++ == 0) is_pressed_now_ = just_before;
-  if (asked_reports_ % kAskAgain == kSureReports) tell(is_pressed_now_ ? Pending::kCalibrating : Pending::kClearing);
+  countOne(impossible_);
+  if (++impossible_poses_ >= kMostLeaps) calibrated_.store(false, std::memory_order_relaxed);
+}
+
+bool PolhemDevice::rests() const noexcept {
+  return reportTime_s() - rests_since_s_ >= kRest_s;
+}
+
+double PolhemDevice::time_s() const noexcept {
+  if (use_.simulated_clock) return static_cast<double>(ticks_) / use_.rate_hz;
+  return static_cast<double>(monotonicNow_ns()) / kNanosecondsPerSecond;
+}
+
+// How far the handle is between two poses at most: each joint moves it by its angle times the longest arm that it can
+// have. Lengths of arms that are not calibrated are known too, their angles are not.
+double PolhemDevice::way_m(const Vec3& from, const Vec3& to) const noexcept {
+  const double b_m = parameters_.joints[1].length_m, c_m = parameters_.joints[2].length_m;
+  return (to - from).cwiseAbs().dot(Vec3(b_m + c_m, b_m, c_m));
+}
+
+void PolhemDevice::noteRest() noexcept {
+  if (way_m(rest_, angles_) <= kRest_m) return;
+  rest_ = angles_;
+  rests_since_s_ = reportTime_s();
+}
+
+bool PolhemDevice::isFree() const noexcept {
+  return !(time_s() - pushed_s_ < kRest_s);
+}
+
+CalibrationRefusal PolhemDevice::whyNotCalibrate() const noexcept {
+  if (!isFree()) return CalibrationRefusal::kContact;
+  if (!rests()) return CalibrationRefusal::kMoving;
+  const Vec3 home = arm_.angles({parameters_.home_counts[0], parameters_.home_counts[1], parameters_.home_counts[2]});
+  const bool is_away = calibrated_.load(std::memory_order_relaxed) && way_m(home, angles_) > kAtHome_m;
+  return is_away ? CalibrationRefusal::kAway : CalibrationRefusal::kNone;
+}
+
+CalibrationRefusal PolhemDevice::refusedCalibration() const noexcept {
+  return reportTime_s() - refused_s_ < kTold_s ? refused_ : CalibrationRefusal::kNone;
+}
+
+// One that was pressed while nobody looked takes the calibration away: somebody thought that it was wrong.
+void PolhemDevice::press() noexcept {
+  if (!is_pressed_now_) return tell(Pending::kForgetting);
+  refused_ = calibrate();
+  is_refused_ = refused_ != CalibrationRefusal::kNone;
+  if (is_refused_) refused_s_ = reportTime_s();
+}
+
+// The firmware holds what the button asked until it is told to count from somewhere, which it then does from where the
+// handle is at that moment.
+void PolhemDevice::heedButton(const PolhemState& state, bool just_before) noexcept {
+  const bool is_pressed =
+      button_.read(state.asks_for_calibration, std::llround(reportTime_s() * kNanosecondsPerSecond));
+  if (!state.asks_for_calibration) {
+    is_refused_ = false;
+    unheard_reports_ = 0;
+    return;
+  }
+  if (button_.hasJustChanged()) is_pressed_now_ = just_before;
+  if (is_pressed) return press();
+  const bool waits = pending_ != Pending::kNothing && ++unheard_reports_ < kAskAgain;
+  if (waits) return;
+  if (is_refused_ && isFree() && rests()) return tell(Pending::kCountingOn);
+  if (pending_ == Pending::kForgetting) return tell(pending_);
+  if (pending_ == Pending::kCalibrating && whyNotCalibrate() == CalibrationRefusal::kNone) tell(pending_);
 }
 
 void PolhemDevice::take(const Received& received) noexcept {
@@ -304,15 +411,21 @@ void PolhemDevice::take(const Received& received) noexcept {
   if (is_new) {
     if (received.connection > 1 || has_forgotten) calibrated_.store(false, std::memory_order_relaxed);  // it was away
     pending_ = Pending::kNothing;
-    asked_reports_ = 0;
+    button_ = {};
+    is_refused_ = false;
   }
   // One that came of its own accord may be of any age: the next one begins anew.
   const bool begins = is_new || was_unasked_;
   was_unasked_ = received.unasked;
   const double since_s =
       use_.simulated_clock ? silence_s() : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
-  if (pending_ != Pending::kNothing && !state->asks_for_calibration && isHome(state->counts)) {
-    if (received.requests < request_) return;  // it may have been said before
+  const bool is_heard = received.requests >= request_ && !state->asks_for_calibration;
+  if (pending_ == Pending::kCountingOn && is_heard) pending_ = Pending::kNothing;
+  const bool counts_home = pending_ == Pending::kForgetting || pending_ == Pending::kCalibrating;
+  bool is_elsewhere = begins;  // it counts from elsewhere than before: nobody knows whether the handle rests
+  if (counts_home && !state->asks_for_calibration && isHome(state->counts)) {
+    if (!is_heard) return;  // it may have been said before
+    is_elsewhere = true;
     if (std::exchange(pending_, Pending::kNothing) == Pending::kCalibrating) {
       calibrated_.store(true, std::memory_order_relaxed);
       countOne(calibrations_);
@@ -323,7 +436,6 @@ void PolhemDevice::take(const Received& received) noexcept {
   } else if (!follows(state->counts, intervalTo(received))) {
     return;
   }
-  heedButton(state->asks_for_calibration, !begins && since_s <= kJustBefore_s);
   connection_.store(received.connection, std::memory_order_relaxed);
   received_ns_ = received.time_ns;
   asked_ns_ = received.asked_ns;
@@ -332,6 +444,10 @@ void PolhemDevice::take(const Received& received) noexcept {
   pressed_ = state->pressed;
   angles_ = arm_.angles(counts_);
   position_A_ = arm_.position(angles_);
+  noteImpossible();
+  if (is_elsewhere) rest_.setConstant(std::numeric_limits<double>::infinity());
+  noteRest();
+  heedButton(*state, !begins && since_s <= kJustBefore_s);
 }
 
 // Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed. After a leap,
@@ -357,6 +473,7 @@ bool PolhemDevice::follows(const PolhemCounts& raw, const Interval& since) noexc
   }
   calibrated_.store(false, std::memory_order_relaxed);
   countFrom(raw);
+  rest_.setConstant(std::numeric_limits<double>::infinity());
   return true;
 }
 
@@ -382,7 +499,11 @@ Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcep
   share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
   share = std::min(share, heat_.share(currents_A));
   const double size_N = force_D.stableNorm();
-  if (size_N * share > parameters_.force_limit_N) share = parameters_.force_limit_N / size_N;
+  const double limit_N = forceLimit_N();
+  if (size_N * share > limit_N) share = limit_N / size_N;
+  if (use_.motors_checked) return share * currents_A;
+  const double doubtful_N = this->doubtful_N(share * currents_A);
+  if (doubtful_N > kUncheckedForce_N) share *= kUncheckedForce_N / doubtful_N;
   return share * currents_A;
 }
 
@@ -392,14 +513,80 @@ double PolhemDevice::sinceWrite_s() noexcept {
   return before_ns == 0 ? 0 : static_cast<double>(now_ns - before_ns) / kNanosecondsPerSecond;
 }
 
+// The most that these currents are at the handle, in whatever order and direction they flow through the motors of
+// whichever arm it may be: each arm knows its pose from the same counts, and has been calibrated in its own home.
+// Without bound where one of them is stretched out.
+double PolhemDevice::doubtful_N(const Vec3& currents_A) const noexcept {
+  const auto sorted = [](const Vec3& v) {
+    Vec3 sizes = v.cwiseAbs();
+    std::sort(sizes.begin(), sizes.end());
+    return sizes;
+  };
+  const Vec3 sizes_A = sorted(currents_A);
+  double most_N = 0;
+  for (const LookAlike& other : look_alikes_) {
+    ArmCounts counts = counts_;
+    for (std::size_t k = 0; k < 3; ++k) counts[k] += other.home_counts[k] - parameters_.home_counts[k];
+    const Eigen::Matrix3d pushes = other.arm.pushes(other.arm.angles(counts));
+    if (!pushes.allFinite()) return sizes_A.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
+    const Vec3 each_N_per_A = pushes.colwise().norm().transpose().cwiseProduct(other.arm.bodyTorques());
+    most_N = std::max(most_N, sizes_A.dot(sorted(each_N_per_A)));
+  }
+  return most_N;
+}
+
+Vec3 PolhemDevice::counts_rad() const noexcept {
+  return {arm_.radPerCount(0), arm_.radPerCount(1), arm_.radPerCount(2)};
+}
+
+// Where the ways of two motors are nearly the same, one cannot be told from the other.
+bool PolhemDevice::canBeTried() const noexcept {
+  const Eigen::Matrix3d pushes = arm_.pushes(angles_);
+  if (!pushes.allFinite() || position_A_.norm() > kTried_share * parameters_.workspace_radius_m) return false;
+  const Eigen::Matrix3d ways = pushes.colwise().normalized();
+  return (ways.transpose() * ways - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kMostAlike;
+}
+
+Vec3 PolhemDevice::levers_m() const noexcept {
+  return arm_.pushes(angles_).colwise().norm().transpose().cwiseInverse();
+}
+
+void PolhemDevice::passHeat() noexcept {
+  heat_.pass(std::exchange(flowing_A_, Vec3(Vec3::Zero())), sinceWrite_s());
+}
+
+void PolhemDevice::push(int motor, double force_N) noexcept {
+  passHeat();
+  if (forceOff() != ForceOff::kNone || !link_.connected() || !std::isfinite(force_N)) return post(Vec3::Zero(), 0);
+  const double within_N = std::clamp(force_N, -kMostTrial_N, kMostTrial_N);
+  Vec3 currents_A = Vec3::Zero();
+  currents_A[motor] = std::clamp(within_N * levers_m()[motor] / arm_.bodyTorques()[motor], -parameters_.current_limit_A,
+                                 parameters_.current_limit_A);
+  post(currents_A, std::abs(within_N));
+}
+
+bool PolhemDevice::isPossible() const noexcept {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double angle = angles_[static_cast<int>(k)];
+    if (!(angle >= parameters_.lowest_rad[k] && angle <= parameters_.highest_rad[k])) return false;
+  }
+  return true;
+}
+
 // A device that is not there exerts no force, so it takes any as none, and a contact begins from none when it is back.
 bool PolhemDevice::write(const Vec3& force_D) noexcept {
   if (!force_D.allFinite()) return false;
-  heat_.pass(std::exchange(flowing_A_, Vec3(Vec3::Zero())), sinceWrite_s());
+  passHeat();
   if (!link_.connected()) return true;
   double share = 0;
   const Vec3 currents_A = currentsFor(force_D, share);
+  post(currents_A, share * force_D.stableNorm());
+  return true;
+}
+
+void PolhemDevice::post(const Vec3& currents_A, double force_N) noexcept {
   flowing_A_ = currents_A;
+  if (force_N > kPush_N) pushed_s_ = time_s();
   PolhemCommand command;
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   for (int k = 0; k < 3; ++k) {
@@ -407,7 +594,6 @@ bool PolhemDevice::write(const Vec3& force_D) noexcept {
         static_cast<std::int16_t>(std::lround(std::clamp(kMilliamperesPerAmpere * currents_A[k], -kMost, kMost)));
   }
   link_.post(polhemReport(command, static_cast<std::size_t>(parameters_.report_bytes)), monotonicNow_ns());
-  return true;
 }
 
 Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
@@ -416,15 +602,23 @@ Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
   return share * force_D;
 }
 
-void PolhemDevice::calibrate() noexcept {
-  tell(Pending::kCalibrating);
+CalibrationRefusal PolhemDevice::calibrate() noexcept {
+  const CalibrationRefusal why = whyNotCalibrate();
+  for (std::size_t i = 0; i < kCalibrationRefusals.size(); ++i) {
+    if (why == kCalibrationRefusals[i]) countOne(refusals_[i]);
+  }
+  if (why == CalibrationRefusal::kNone) tell(Pending::kCalibrating);
+  return why;
 }
 
 void PolhemDevice::tell(Pending what) noexcept {
   pending_ = what;
   request_ = requests_ + 1;
-  calibrated_.store(false, std::memory_order_relaxed);
-  link_.askOnce();
+  unheard_reports_ = 0;
+  const bool counts_on = what == Pending::kCountingOn;
+  if (!counts_on) calibrated_.store(false, std::memory_order_relaxed);
+  link_.askOnce(polhemReport({.count_from = counts_on ? raw_ : homeOf(parameters_)},
+                             static_cast<std::size_t>(parameters_.report_bytes)));
 }
 
 }  // namespace palpate

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <numbers>
+#include <utility>
+#include <vector>
+
 #include "servo/devices/entries.hpp"
 #include "servo/devices/parameter_rows.hpp"
 #include "servo/devices/polhem_device.hpp"
@@ -16,6 +20,14 @@ template <std::size_t kJoint>
 struct HomePlace {
   static constexpr auto& of(auto& arm) { return arm.home_counts[kJoint]; }
 };
+template <std::size_t kJoint>
+struct LowestPlace {
+  static constexpr auto& of(auto& arm) { return arm.lowest_rad[kJoint]; }
+};
+template <std::size_t kJoint>
+struct HighestPlace {
+  static constexpr auto& of(auto& arm) { return arm.highest_rad[kJoint]; }
+};
 template <int kAxis>
 struct OriginPlace {
   static constexpr auto& of(auto& arm) { return arm.origin_m[kAxis]; }
@@ -25,6 +37,8 @@ constexpr ParameterRow<Arm> row(std::string_view key, std::string_view unit, dou
                                 std::string_view help) {
   return placeRow<Arm, Place>(key, unit, lowest, highest, help);
 }
+
+constexpr double kHalfTurn = std::numbers::pi;
 
 // clang-format off
 constexpr ParameterRow<Arm> kPolhemRows[] = {
@@ -45,6 +59,8 @@ constexpr ParameterRow<Arm> kPolhemRows[] = {
     row<JointPlace<0, &ArmJoint::counts_per_turn>>("counts_a", "counts", 1, 1e6, "counts of encoder a for a turn of its motor"),
     row<JointPlace<0, &ArmJoint::aligned>>("aligned_a", "", 0, 1, "1: motor a points along its body's axis; 0: against it"),
     row<HomePlace<0>>("home_a", "counts", -32767, 32767, "what encoder a counts in the home position"),
+    row<LowestPlace<0>>("lowest_a_rad", "rad", -kHalfTurn, kHalfTurn, "lowest angle of body a, of a calibrated arm"),
+    row<HighestPlace<0>>("highest_a_rad", "rad", -kHalfTurn, kHalfTurn, "highest angle of body a"),
     row<OriginPlace<0>>("origin_x_m", "m", -10, 10, "middle of the workspace from the foot, to the user"),
     row<JointPlace<1, &ArmJoint::capstan_m>>("capstan_b_m", "m", 1e-4, 1, "diameter of capstan b"),
     row<JointPlace<1, &ArmJoint::body_m>>("body_b_m", "m", 1e-3, 1, "diameter of the sector that capstan b drives"),
@@ -53,6 +69,8 @@ constexpr ParameterRow<Arm> kPolhemRows[] = {
     row<JointPlace<1, &ArmJoint::counts_per_turn>>("counts_b", "counts", 1, 1e6, "counts of encoder b for a turn of its motor"),
     row<JointPlace<1, &ArmJoint::aligned>>("aligned_b", "", 0, 1, "1: motor b points along its body's axis; 0: against it"),
     row<HomePlace<1>>("home_b", "counts", -32767, 32767, "what encoder b counts in the home position"),
+    row<LowestPlace<1>>("lowest_b_rad", "rad", -kHalfTurn, kHalfTurn, "lowest angle of body b, of a calibrated arm"),
+    row<HighestPlace<1>>("highest_b_rad", "rad", -kHalfTurn, kHalfTurn, "highest angle of body b"),
     row<OriginPlace<1>>("origin_y_m", "m", -10, 10, "middle of the workspace from the foot, to the right"),
     row<JointPlace<2, &ArmJoint::capstan_m>>("capstan_c_m", "m", 1e-4, 1, "diameter of capstan c"),
     row<JointPlace<2, &ArmJoint::body_m>>("body_c_m", "m", 1e-3, 1, "diameter of the sector that capstan c drives"),
@@ -61,14 +79,20 @@ constexpr ParameterRow<Arm> kPolhemRows[] = {
     row<JointPlace<2, &ArmJoint::counts_per_turn>>("counts_c", "counts", 1, 1e6, "counts of encoder c for a turn of its motor"),
     row<JointPlace<2, &ArmJoint::aligned>>("aligned_c", "", 0, 1, "1: motor c points along its body's axis; 0: against it"),
     row<HomePlace<2>>("home_c", "counts", -32767, 32767, "what encoder c counts in the home position"),
+    row<LowestPlace<2>>("lowest_c_rad", "rad", -kHalfTurn, kHalfTurn, "lowest angle of body c, of a calibrated arm"),
+    row<HighestPlace<2>>("highest_c_rad", "rad", -kHalfTurn, kHalfTurn, "highest angle of body c"),
     row<OriginPlace<2>>("origin_z_m", "m", -10, 10, "middle of the workspace from the foot, up"),
 };
 // clang-format on
 
 std::unique_ptr<Device> makePolhem(const DeviceSetup& setup) {
+  std::vector<Arm> look_alikes;
+  for (const DeviceValues& values : setup.look_alikes) look_alikes.push_back(polhemParametersOf(values));
   const PolhemUse use{.simulated_clock = setup.simulated_clock,
                       .rate_hz = setup.rate_hz,
                       .calibrated = setup.calibrated,
+                      .motors_checked = setup.motors_checked,
+                      .look_alikes = std::move(look_alikes),
                       .thread_begins = setup.thread_begins};
   return std::make_unique<PolhemDevice>(polhemParametersOf(setup.values), use, setup.open);
 }

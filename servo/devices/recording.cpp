@@ -20,7 +20,8 @@ constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
 constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0xffffff;
-constexpr unsigned kOffShift = 24;  // why there is no force lies in the high byte of the periods
+constexpr unsigned kOffShift = 24, kRefusedShift = 28;  // why there is no force, and why no calibration, lie in the
+constexpr std::uint32_t kMostOff = 0xf;                 // high byte of the periods
 constexpr std::uint8_t kFollows = 1, kIsHeld = 2, kSetsPace = 4, kMoves = 8;  // what is true of the device
 constexpr double kMostRate_hz = 20000;                                        // ServoLoop's
 constexpr int kMostDelay_ticks = 10000;
@@ -95,7 +96,8 @@ bool sameBits(const Vec3& a, const Vec3& b) {
 void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W) {
   const bool moved = !sameBits(tick.position_W, before_W);
   const bool edge = tick.boundary.stored_J != 0 || !tick.boundary.force_W.isZero(0);
-  const bool unusual = tick.elapsed_ticks != kUsualElapsed || tick.force_off != ForceOff::kNone;
+  const bool unusual = tick.elapsed_ticks != kUsualElapsed || tick.force_off != ForceOff::kNone ||
+                       tick.refused != CalibrationRefusal::kNone;
   const auto flag = [](bool on, std::uint8_t bit) { return on ? bit : std::uint8_t{0}; };
   put(bytes, static_cast<std::uint8_t>(flag(tick.answered, kAnswered) | flag(moved, kMoved) |
                                        flag(tick.report_age_ns != 0, kAged) | flag(tick.taken, kTaken) |
@@ -103,7 +105,8 @@ void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W)
                                        flag(tick.pressed, kSwitchOn) | flag(unusual, kElapsed)));
   if (unusual) {
     const auto periods = static_cast<std::uint32_t>(std::min(tick.elapsed_ticks, kMostElapsed));
-    put(bytes, periods | static_cast<std::uint32_t>(tick.force_off) << kOffShift);
+    put(bytes, periods | static_cast<std::uint32_t>(tick.force_off) << kOffShift |
+                   static_cast<std::uint32_t>(tick.refused) << kRefusedShift);
   }
   if (moved) put(bytes, tick.position_W);
   if (tick.report_age_ns != 0) put(bytes, tick.report_age_ns);
@@ -122,7 +125,8 @@ RecordedTick takeTick(Taker& taker, Vec3& position_W) {
   tick.held_differs = has(kHeld);
   const auto periods = has(kElapsed) ? taker.take<std::uint32_t>() : std::uint32_t{kUsualElapsed};
   tick.elapsed_ticks = static_cast<std::int32_t>(periods & std::uint32_t{kMostElapsed});
-  tick.force_off = static_cast<ForceOff>(periods >> kOffShift);
+  tick.force_off = static_cast<ForceOff>(periods >> kOffShift & kMostOff);
+  tick.refused = static_cast<CalibrationRefusal>(periods >> kRefusedShift);
   if (has(kMoved)) position_W = taker.takeVector();
   tick.position_W = position_W;
   if (has(kAged)) tick.report_age_ns = taker.take<std::int64_t>();
@@ -135,8 +139,9 @@ RecordedTick takeTick(Taker& taker, Vec3& position_W) {
 }
 
 bool canBe(const RecordedTick& tick) {
-  return tick.force_off <= ForceOff::kClutched && tick.report_age_ns >= 0 && tick.held_W.allFinite() &&
-         tick.boundary.force_W.allFinite() && std::isfinite(tick.boundary.stored_J);
+  return tick.force_off <= ForceOff::kClutched && tick.refused <= CalibrationRefusal::kAway &&
+         tick.report_age_ns >= 0 && tick.held_W.allFinite() && tick.boundary.force_W.allFinite() &&
+         std::isfinite(tick.boundary.stored_J);
 }
 
 // Empty: the block is damaged.

@@ -21,6 +21,7 @@ struct RecordedTick {
   bool taken = true;               // write() took the force
   bool held_differs = false;       // held() was another force than the one that was written
   ForceOff force_off = ForceOff::kNone;
+  CalibrationRefusal refused = CalibrationRefusal::kNone;
   Vec3 position_W = Vec3::Zero();  // [m]
   std::int64_t report_age_ns = 0;  // [ns]
   DeviceBoundary boundary = {};

@@ -31,6 +31,7 @@ bool RecordingDevice::read(Vec3& position_W) noexcept {
   now_->position_W = position_W;
   now_->pressed = device_->pressed();
   now_->force_off = device_->forceOff();
+  now_->refused = device_->refusedCalibration();
   return now_->answered;
 }
 

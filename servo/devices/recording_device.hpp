@@ -22,10 +22,11 @@ class RecordingDevice final : public Device {
   [[nodiscard]] std::vector<HandParameters> hands() const override { return device_->hands(); }
   [[nodiscard]] ForceOff forceOff() const noexcept override { return device_->forceOff(); }
   [[nodiscard]] std::vector<DeviceFigure> figures() const override { return device_->figures(); }
-  void calibrate() noexcept override { device_->calibrate(); }
+  [[nodiscard]] CalibrationRefusal calibrate() noexcept override { return device_->calibrate(); }
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
+  [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override { return now_->refused; }
   [[nodiscard]] bool pressed() const noexcept override { return device_->pressed(); }
   void beginAnew() noexcept override { device_->beginAnew(); }
   void endRun() noexcept override;
@@ -60,6 +61,7 @@ class RecordedDevice final : public Device {
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
   // Where the servo of the session left out grid points, the last position grows older meanwhile.
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
+  [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override { return tick().refused; }
   [[nodiscard]] bool pressed() const noexcept override { return tick().pressed; }
   [[nodiscard]] DeviceBoundary boundary() const noexcept override { return tick().boundary; }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override { return force_W.allFinite() && tick().taken; }

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "servo/devices/device.hpp"
 #include "servo/devices/path.hpp"
@@ -39,8 +40,10 @@ struct DeviceSetup {
   PortOpener open = {};                                  // for a device on a bus
   std::shared_ptr<const Recording> recording = nullptr;  // to be played back
   bool simulated_clock = false;
-  bool calibrated = false;                   // since it was switched on; for a device that must be
-  std::function<void()> thread_begins = {};  // called first in each thread that the device has of its own
+  bool calibrated = false;                     // since it was switched on; for a device that must be
+  bool motors_checked = false;                 // each pulls the right way, as this kind (motor_check.hpp)
+  std::vector<DeviceValues> look_alikes = {};  // of arms that it may be instead, as nobody can tell from its reports
+  std::function<void()> thread_begins = {};    // called first in each thread that the device has of its own
 };
 
 struct DeviceEntry {

@@ -100,8 +100,17 @@ void ReportLink::post(const Report& command, std::int64_t now_ns) noexcept {
   commands_.publish();
 }
 
-const Report& ReportLink::outgoing() noexcept {
-  if (asked_.exchange(false, std::memory_order_acq_rel)) return settings_.on_request;
+void ReportLink::askOnce(const Report& request) noexcept {
+  requests_.back() = request;
+  requests_.publish();
+  asked_.store(true, std::memory_order_release);
+}
+
+const Report& ReportLink::outgoing(bool& is_request) noexcept {
+  if (asked_.exchange(false, std::memory_order_acq_rel)) {
+    is_request = true;
+    return requests_.latest();
+  }
   const Command& command = commands_.latest();
   const double age_ns = static_cast<double>(monotonicNow_ns() - command.time_ns);
   const bool fresh = age_ns <= settings_.command_life_s * kNanosecondsPerSecond || !threaded_;
@@ -111,13 +120,15 @@ const Report& ReportLink::outgoing() noexcept {
   return settings_.rest;
 }
 
-bool ReportLink::write(const Report& report) noexcept {
+bool ReportLink::writeNext() noexcept {
+  bool is_request = false;
+  const Report& report = outgoing(is_request);
   const std::int64_t begin_ns = monotonicNow_ns();
   const bool taken = port_->write(report);
   writes_.add(monotonicNow_ns() - begin_ns);
   count(taken ? written_ : refused_);
   // The next report may be one that was on its way already.
-  if (taken && &report == &settings_.on_request) answers_to_request_ = 2;
+  if (taken && is_request) answers_to_request_ = 2;
   return taken;
 }
 
@@ -192,7 +203,7 @@ bool ReportLink::exchange() noexcept {
   const std::int64_t begin_ns = monotonicNow_ns();
   const bool is_owed = std::exchange(waits_, true);  // an answer that did not come in time, and may come now
   if (!is_owed) asked_ns_ = begin_ns;
-  if (settings_.answers && !write(outgoing())) {
+  if (settings_.answers && !writeNext()) {
     lose();
     return false;
   }

@@ -32,7 +32,6 @@ namespace palpate {
 struct LinkSettings {
   bool answers = true;                                         // one report for each that is written
   Report rest = {};                                            // written where there is no command that may be
-  Report on_request = {};                                      // written once after askOnce()
   double command_life_s = 0.02;                                // [s]
   int answer_ms = 10;                                          // an answer that takes longer counts as lost [ms]
   double reopen_s = 0.25;                                      // [s]
@@ -55,7 +54,7 @@ struct Received {
   bool unasked = false;        // it came of its own accord: nobody knows how old it is
   std::uint64_t number = 0;    // of the report, from 1 on; 0: none has come
   std::uint64_t connection = 0;  // from 1 on
-  std::uint64_t requests = 0;    // `on_request` reports that it answers or comes after; rather too few than too many
+  std::uint64_t requests = 0;    // of askOnce(), that it answers or comes after; rather too few than too many
 };
 
 // What became of the reports.
@@ -87,7 +86,8 @@ class ReportLink {
   // The number of the newest connection, which may be over. Any thread.
   [[nodiscard]] std::uint64_t connection() const noexcept { return connection_.load(std::memory_order_acquire); }
   void post(const Report& command, std::int64_t now_ns) noexcept;
-  void askOnce() noexcept { asked_.store(true, std::memory_order_release); }
+  // Writes `request` once, before any command. One that was not written yet is replaced.
+  void askOnce(const Report& request) noexcept;
   [[nodiscard]] LinkFigures figures() const noexcept;
 
  private:
@@ -101,8 +101,8 @@ class ReportLink {
   void run(const std::stop_token& stop);
   [[nodiscard]] bool reopen() noexcept;
   void lose() noexcept;
-  [[nodiscard]] const Report& outgoing() noexcept;
-  [[nodiscard]] bool write(const Report& report) noexcept;
+  [[nodiscard]] const Report& outgoing(bool& is_request) noexcept;
+  [[nodiscard]] bool writeNext() noexcept;
   [[nodiscard]] PortRead readWithin(Report& report, int most_ms) noexcept;
   void countGap() noexcept;
   [[nodiscard]] bool fold(const Report& report) noexcept;
@@ -119,6 +119,7 @@ class ReportLink {
   bool threaded_ = false;
   TripleBuffer<Received> received_;
   TripleBuffer<Command> commands_;
+  TripleBuffer<Report> requests_;
   std::atomic<bool> connected_{false}, asked_{false};
   std::atomic<std::uint64_t> connection_{1};
   Received last_;

@@ -256,6 +256,7 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
     if (off != ForceOff::kClutched) gate_.beginAnew();
   }
   if (gate_.isStall(gap_ns)) device_.beginAnew();
+  if (device_.refusedCalibration() != CalibrationRefusal::kNone) faults |= bit(ServoFault::kCalibrationRefused);
   const double share = guard_.share();
   Vec3 pushed_W = share * out.force_W;
   double stored_J = share * out.stored_J;

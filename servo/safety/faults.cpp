@@ -66,6 +66,11 @@ constexpr std::array kTable = {
         "the device exerted no force: it was not connected, not calibrated, without a limit, or its clutch was pressed",
         "is none while it lasts, then grows back from nothing within the fade time",
         "plug it in, calibrate it, or let the clutch go; 'palpate doctor' says which"},
+    FaultText{ServoFault::kCalibrationRefused, "calibration-refused",
+              "the device's calibration button was pressed in contact, while the handle moved, or away from home: "
+              "refused",
+              "stays as it is, and so does the calibration",
+              "hold the handle still in its home position, touching nothing, and press it again"},
 };
 
 void append(std::string& names, const char* name) {

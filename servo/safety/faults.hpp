@@ -32,6 +32,7 @@ enum class ServoFault : std::uint32_t {
   kPlaneBehind = 1U << 14,
   kUnstable = 1U << 15,
   kForceOff = 1U << 16,
+  kCalibrationRefused = 1U << 17,
 };
 
 [[nodiscard]] constexpr std::uint32_t bit(ServoFault fault) noexcept {

@@ -40,6 +40,8 @@ struct Options {
   double rate_hz = 1000;
   double current_limit_A = 3;
   bool calibrated = true;
+  ArmWiring wiring;         // of the motors
+  int waits = 0;            // reports without force, after some with, after which the hand begins its way; 0: at once
   int asks_from = -1;       // report from which on its calibration button is pressed; 0: since before; -1: never
   bool forbidden = false;   // nobody may open the nodes
   int unplug_after = -1;    // reports after which it is unplugged; -1: never
@@ -88,6 +90,13 @@ Options parsed(int count, char** words) {
       o.calibrated = false;
     } else if (word == "--asks-from") {
       o.asks_from = std::stoi(value());
+    } else if (word == "--motors") {  // what each plug drives, and how its leads are: 0,1,2:1,-1,1
+      auto& [motor, sign, encoder] = o.wiring;
+      if (std::sscanf(value().c_str(), "%d,%d,%d:%d,%d,%d", &motor[0], &motor[1], &motor[2], &sign[0], &sign[1],
+                      &sign[2]) != 6)
+        throw std::runtime_error(kUsage);
+    } else if (word == "--waits") {
+      o.waits = std::stoi(value());
     } else if (word == "--forbidden") {
       o.forbidden = true;
     } else if (word == "--unplug-after") {
@@ -215,6 +224,8 @@ class Emulated {
     parameters_.current_limit_A = options.current_limit_A;
     arm_ =
         std::make_unique<EmulatedPolhem>(parameters_, HandParameters{}, path, 1 / options.rate_hz, options.calibrated);
+    if (options.calibrated) arm_->wire(options.wiring, parameters_.home_counts);
+    arm_->waitForPushes(options.waits);
     if (options.asks_from == 0) arm_->pressCalibration();
     reports_of_ =
         std::make_unique<EmulatedReports>(*arm_, options.faults, options.seed + static_cast<unsigned>(number));

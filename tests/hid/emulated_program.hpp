@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "checked_motors.hpp"
 #include "program_test.hpp"
 #include "tests/support/scans.hpp"
 #include "trace.hpp"
@@ -25,7 +26,10 @@ class EmulatedHid : public ProgramTest {
   [[nodiscard]] Outcome emulate(const Words& machine, const Words& program,
                                 const std::vector<std::pair<std::string, std::string>>& environment = {}) const {
     Command command{.arguments = machine + Words{"--"} + program, .program = PALPATE_EMULATE_HID, .folder = folder()};
-    command.environment = {{"XDG_RUNTIME_DIR", folder().string()}, {"XDG_CONFIG_HOME", folder().string()}};
+    if (motors_checked_) leaveCheckedMotors(folder() / "state");
+    command.environment = {{"XDG_RUNTIME_DIR", folder().string()},
+                           {"XDG_CONFIG_HOME", folder().string()},
+                           {"XDG_STATE_HOME", (folder() / "state").string()}};
     command.environment.insert(command.environment.end(), environment.begin(), environment.end());
     return runPalpate(command);
   }
@@ -38,6 +42,8 @@ class EmulatedHid : public ProgramTest {
   [[nodiscard]] double figure(const std::string& key, const std::string& out = "out") const {
     return summary(out)["device"]["figures"][key];
   }
+
+  bool motors_checked_ = true;  // of the emulated arms, before the program begins
 
   // A way along the surface, tick by tick, as a rigid hand goes it.
   // `share` of it: cut there. `rest_s`: the hand waits there first. What tests of one program have in common is run

@@ -163,14 +163,14 @@ TEST_F(HidDoctor, KnowsAfterARunWhetherTheDeviceIsCalibrated) {
   EXPECT_THAT(after({"--uncalibrated"}, calibrate + "timeout -s KILL 2 " + touch(9) + "; sleep 0.5"), HasSubstr(kOff));
   EXPECT_THAT(after({"--uncalibrated", "--unplug-after", "400", "--replug-ms", "100"}, calibrate + touch(1.5)),
               HasSubstr(kOff));
-  EXPECT_THAT(isOnAfter({"--uncalibrated", "--asks-from", "250"}, touch(1)), HasSubstr(kOn));
+  EXPECT_THAT(isOnAfter({"--uncalibrated", "--asks-from", "900"}, touch(2)), HasSubstr(kOn));
   // The same from a servo in a process of its own, which may write nothing but that.
   EXPECT_THAT(isOnAfter({"--uncalibrated"}, calibrate + touch(0.3) + " --service"), HasSubstr(kOn));
   EXPECT_THAT(after({"--uncalibrated"}, calibrate + touch(9) + " --service & run=$!; sleep 3; " +
                                             "pkill -KILL -P $run -x palpate-servo; wait $run"),
               HasSubstr(kOff));
   if (isLongRun()) {
-    EXPECT_THAT(isOnAfter({"--uncalibrated", "--asks-from", "250"}, touch(1) + " --service"), HasSubstr(kOn));
+    EXPECT_THAT(isOnAfter({"--uncalibrated", "--asks-from", "900"}, touch(2) + " --service"), HasSubstr(kOn));
   }
 }
 
@@ -184,7 +184,8 @@ TEST_F(HidDoctor, CalibratesOnlyWhatNeedsIt) {
 TEST_F(HidDoctor, ListsWhatIsHere) {
   const Outcome outcome = on({"--devices", "polhem,keyboard"}, {"devices"});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("1234:0006   mbed Polhem: polhem-v1 or woodenhaptics or aluhaptics or vintage"));
+  EXPECT_THAT(outcome.out, HasSubstr("1234:0006   mbed Polhem: polhem-v1 or woodenhaptics or woodenhaptics-2019 or "
+                                     "aluhaptics or vintage"));
   EXPECT_EQ(outcome.out.find("Keyboard"), std::string::npos);
   EXPECT_THAT(on({"--devices", "none"}, {"devices"}).out, HasSubstr("None of them but the simulated one is here"));
 }
@@ -245,6 +246,62 @@ TEST_F(HidDoctor, CalibratesOnlyAfterEnter) {
   EXPECT_EQ(answered("\\n").status, 0);
   EXPECT_EQ(answered("no\\n").status, 2);
   EXPECT_EQ(answered("").status, 2);
+}
+
+// A handle that moves at 0.4 m/s is not in its home position, whoever says so; nor is one that a calibrated arm says is
+// elsewhere.
+TEST_F(HidDoctor, CalibratesNoHandleThatMovesOrIsElsewhere) {
+  std::string csv = "time_s,x_m,y_m,z_m\n";
+  for (int i = 0; i <= 200; ++i) csv += fmt::format("{},{},0,0\n", 0.25 * i, i % 2 == 0 ? -0.05 : 0.05);
+  write("way.csv", csv);
+  const std::string program = PALPATE_PROGRAM;
+  const Words calibrate = {"calibrate", "--device", "polhem-v1", "--yes"};
+  expectRefusal(on({"--uncalibrated", "--paced", "--path", "way.csv"}, calibrate), "device polhem-v1",
+                "not calibrated: the handle moved; hold it still in its home position", 6);
+  const std::string moved = program + " calibrate --device polhem-v1 --yes";
+  write("still.csv", "time_s,x_m,y_m,z_m\n0,0,0,0\n2,0,0,0\n2.5,0.1,0,0\n");
+  const Outcome elsewhere = emulate(
+      {"--uncalibrated", "--paced", "--path", "still.csv"},
+      {"sh", "-c",
+       moved + " && sleep 0.1 && " + program + " doctor --seconds 4 --device polhem-v1 --current-limit 3 && " + moved});
+  EXPECT_EQ(elsewhere.status, 6) << elsewhere.out;
+  EXPECT_THAT(elsewhere.err, HasSubstr("the arm is calibrated, and its handle was not in its home position"));
+}
+
+// Motors that nobody has checked: 1 N at most, said at the start of a run and by the doctor. The check ends that.
+TEST_F(HidDoctor, ChecksMotors) {
+  motors_checked_ = false;
+  // Right, up, towards the user by 60 mm each, once the motors have pushed.
+  write("hand.csv",
+        "time_s,x_m,y_m,z_m\n0,0,0,0\n0.4,0.06,0,0\n2.4,0.06,0,0\n2.8,0.06,0,0.06\n4.8,0.06,0,0.06\n5.2,0.06,-0.06,0."
+        "06\n");
+  const std::string program = PALPATE_PROGRAM, arm = " --device polhem-v1 --calibrated";
+  const std::string doctor = program + " doctor --seconds 0.3 --current-limit 3" + arm;
+  const std::string check = program + " calibrate --check" + arm;
+  const Words machine = {"--paced", "--path", "hand.csv", "--waits", "3000"};
+  const Outcome outcome = emulate(machine, {"sh", "-c", doctor + " && " + check + " && " + doctor});
+  EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
+  const std::size_t found = outcome.out.find("The motors of polhem-v1 pull the right way, which is kept in ");
+  ASSERT_NE(found, std::string::npos) << outcome.out;
+  EXPECT_THAT(outcome.out.substr(0, found), HasSubstr("nobody has checked that they pull the right way, so forces stay "
+                                                      "below 1 N; palpate calibrate --device polhem-v1 --check"));
+  EXPECT_THAT(outcome.out.substr(0, found), HasSubstr("Now move the handle towards you by some 6 cm"));
+  EXPECT_THAT(outcome.out.substr(0, found),
+              HasSubstr("by its reports it could be woodenhaptics (links of 205 and 245 mm"));
+  EXPECT_THAT(outcome.out.substr(found), testing::Not(HasSubstr("nobody has checked")));
+  EXPECT_THAT(outcome.out.substr(found), HasSubstr("forces are on: polhem-v1\n"));
+}
+
+TEST_F(HidDoctor, NamesMotorsThatAreNotRight) {
+  motors_checked_ = false;
+  const Words check = {"calibrate", "--check", "--device", "polhem-v1", "--calibrated"};
+  const Outcome reversed = on({"--paced", "--motors", "0,1,2:-1,1,1"}, check);
+  expectRefusal(reversed, "device polhem-v1", "motor a turns the wrong way; swap the two leads of motor a", 6);
+  EXPECT_THAT(on({"--paced", "--motors", "1,0,2:1,1,1"}, check).err,
+              HasSubstr("encoder b answers to motor a, encoder a answers to motor b; see that the plugs of"));
+  EXPECT_FALSE(std::filesystem::exists(file("state/palpate/motors")));
+  EXPECT_THAT(on({}, {"calibrate", "--device", "polhem-v1", "--calibrated"}).err, HasSubstr("--check"));
+  EXPECT_EQ(on({"--devices", "spacemouse"}, {"calibrate", "--check", "--device", "spacemouse"}).status, 0);
 }
 
 // As another kind it would count from another home.

@@ -60,6 +60,7 @@ class HidServiceKills : public EmulatedHid {
       std::filesystem::create_directories(file(folder));
       setenv(name, file(folder).c_str(), 1);
     }
+    leaveCheckedMotors(file("state"));
     write("faults.json",
           std::string(R"({"file_format_version": "1.0.0", "layer": {"name": "VK_LAYER_palpate_faults", )") +
               R"("type": "GLOBAL", "api_version": "1.3.0", "implementation_version": "1", )" +

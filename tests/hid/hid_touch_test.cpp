@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate touch` with an emulated Polhem through hidapi, in lockstep: what is felt is what the simulated device feels.
+#include <algorithm>
+
 #include "emulated_program.hpp"
 
 namespace palpate {
@@ -176,6 +178,31 @@ TEST_F(HidTouch, SaysWhyThereIsNoDevice) {
       on({"--devices", "polhem,teensy"}, touch + Words{"--device-path", "/dev/hidraw1", "--seconds", "0.1"}).status, 0);
 }
 
+// Whoever did not check the motors feels less than 1 N, and is told so; the same hand feels more with them checked.
+TEST_F(HidTouch, StaysBelowANewtonUntilTheMotorsAreChecked) {
+  const std::string ball = "phantom:sphere?size=32";
+  writeWay(ball, 0.6, 6);
+  const auto largest_N = [&](bool checked) {
+    motors_checked_ = checked;
+    std::filesystem::remove_all(file("state"));
+    const Outcome outcome =
+        on({"--path", "way.csv", "--log", "log.txt"}, Words{"touch", ball, "--clock", "simulated", "--picture", "off",
+                                                            "--seconds", "0.6", "--stiffness", "500", "--out", "out"} +
+                                                          kArmInTheMiddle);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const bool is_told = outcome.err.find(
+                             "nobody has checked that its motors pull the right way, so forces stay below "
+                             "1 N") != std::string::npos;
+    EXPECT_EQ(is_told, !checked) << outcome.err;
+    const std::string log = contentsOf(file("log.txt")), key = " force_max_N ";
+    return std::stod(log.substr(log.find(key) + key.size()));
+  };
+  const double unchecked_N = largest_N(false);
+  EXPECT_GT(unchecked_N, 0.02);
+  EXPECT_LE(unchecked_N, 1);
+  EXPECT_GT(largest_N(true), 1);
+}
+
 TEST_F(HidTouch, SaysWhyTheForcesAreOff) {
   const Words touch = {"touch",     "phantom:sphere?size=16",
                        "--device",  "polhem-v1",
@@ -189,10 +216,19 @@ TEST_F(HidTouch, SaysWhyTheForcesAreOff) {
   const Outcome uncalibrated = on({"--uncalibrated"}, touch + Words{"--current-limit", "3"});
   EXPECT_THAT(uncalibrated.err, HasSubstr("forces are off because the device does not know where its handle is"));
   EXPECT_EQ(summary()["device"]["force_off"], "uncalibrated");
-  const Outcome asked = on({"--uncalibrated", "--asks-from", "20"}, touch + Words{"--current-limit", "3"});
+  Words longer = touch + Words{"--current-limit", "3"};
+  *std::ranges::find(longer, "0.1") = "0.4";  // its handle must have been seen at rest
+  const Outcome asked = on({"--uncalibrated", "--asks-from", "200"}, longer);
   EXPECT_EQ(asked.status, 0);
   EXPECT_EQ(figure("calibrations"), 1);
   EXPECT_EQ(summary()["device"]["force_off"], "none");
+  // A calibrated arm says that its handle is in the middle of the workspace, which is not its home.
+  const Outcome refused = on({"--asks-from", "200"}, longer + Words{"--calibrated"});
+  EXPECT_EQ(refused.status, 0);
+  EXPECT_EQ(figure("calibrations"), 0);
+  EXPECT_EQ(figure("calibrations_refused_in_contact") + figure("calibrations_refused_away"), 1);
+  EXPECT_EQ(summary()["device"]["force_off"], "none");
+  EXPECT_THAT(summary()["faults"].dump(), HasSubstr("calibration-refused"));
   // Pressed before anybody looked: where the handle was then nobody knows.
   const Outcome long_ago = on({"--asks-from", "0"}, touch + Words{"--current-limit", "3", "--calibrated"});
   EXPECT_EQ(long_ago.status, 0);

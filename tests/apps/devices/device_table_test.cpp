@@ -3,7 +3,9 @@
 #include "apps/devices/device_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <numbers>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -30,6 +32,32 @@ usb = ["1234:0006", { id = "16C0:0486", report_bytes = 64 }]
 [device.values]
 force_limit_N = 3
 )";
+
+// The ranges of the joints of the program's own arms hold their workspaces and their homes, with 25 degrees to spare.
+TEST(DeviceTable, GivesArmsRoomForTheirWorkspaces) {
+  int arms = 0;
+  for (const DeviceKind& kind : deviceKinds({})) {
+    if (kind.family != "polhem-family") continue;
+    ++arms;
+    const PolhemParameters p = polhemParametersOf(kind.values);
+    const ArmKinematics arm(p.joints, p.origin_m);
+    const auto fits = [&](const Vec3& angles) {
+      constexpr double kSpare_rad = 25 * std::numbers::pi / 180;
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_GE(angles[static_cast<int>(k)] - kSpare_rad, p.lowest_rad[k]) << kind.name << k;
+        EXPECT_LE(angles[static_cast<int>(k)] + kSpare_rad, p.highest_rad[k]) << kind.name << k;
+      }
+    };
+    fits(arm.angles({p.home_counts[0], p.home_counts[1], p.home_counts[2]}));
+    for (int i = 0; i < 1000; ++i) {
+      // Evenly over the ball's surface (Fibonacci), where the angles are furthest from those of the middle.
+      const double up = 1 - (2 * i + 1) / 1000.0, around = 2.399963 * i, out = std::sqrt(1 - up * up);
+      const auto angles = arm.anglesAt(p.workspace_radius_m * Vec3(out * std::cos(around), out * std::sin(around), up));
+      if (angles) fits(*angles);  // some reach no further than a part of it
+    }
+  }
+  EXPECT_EQ(arms, 5);
+}
 
 TEST(DeviceTable, ReadsAKind) {
   const std::vector<DeviceKind> kinds = readDeviceKinds(kOne, "a.toml");
@@ -122,11 +150,15 @@ TEST(DeviceTable, BringsKindsThatCanBe) {
   EXPECT_TRUE(names.contains("polhem-v1") && names.contains("woodenhaptics") && names.contains("spacemouse"));
 }
 
-// The family's usual values are those of Polhem v1; the table says them again, and must say the same.
+// The family's usual values are those of Polhem v1; the table says them again, and must say the same. But the ranges of
+// joints: a kind of a user's own that states none has none, whatever the lengths of its links.
 TEST(DeviceTable, AgreesWithTheFamilysUsualValues) {
   const DeviceKind* kind = deviceKindNamed("polhem-v1");
   ASSERT_NE(kind, nullptr);
-  for (const auto& [key, value] : kind->values) EXPECT_EQ(deviceParameter("polhem-family", key).usual, value) << key;
+  for (const auto& [key, value] : kind->values) {
+    if (key.ends_with("_rad")) continue;
+    EXPECT_EQ(deviceParameter("polhem-family", key).usual, value) << key;
+  }
 }
 
 TEST(DeviceTable, TakesTheUsersKindsToo) {

@@ -51,7 +51,7 @@ TEST_F(Told, NotWhatIsOrdinary) {
     ordinary |= bit(fault);
   EXPECT_THAT(look(ordinary, 1), IsEmpty());
   for (const ServoFault fault : {ServoFault::kNonFiniteForce, ServoFault::kDeviceError, ServoFault::kStall,
-                                 ServoFault::kUnstable, ServoFault::kForceOff})
+                                 ServoFault::kUnstable, ServoFault::kForceOff, ServoFault::kCalibrationRefused})
     EXPECT_THAT(look(bit(fault), 2), testing::SizeIs(1)) << bit(fault);
 }
 

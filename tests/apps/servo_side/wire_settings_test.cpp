@@ -52,11 +52,12 @@ TEST(WireSettings, RefuseWhatIsNone) {
 class Anything final : public Device {
  public:
   explicit Anything(Seeded& random) {
-    of = {random.between(0, 9), random.between(0, 9),
-          random.pick(9),       random.between(0, 9),
-          random.pick(2) == 0,  random.pick(2) == 0,
-          random.between(0, 9), random.between(0, 9),
-          random.pick(2) == 0,  {random.between(0, 9), random.between(0, 9)}};
+    of = {random.between(0, 9), random.pick(2) == 0,
+          random.between(0, 9), random.pick(9),
+          random.between(0, 9), random.pick(2) == 0,
+          random.pick(2) == 0,  random.between(0, 9),
+          random.between(0, 9), random.pick(2) == 0,
+          {random.between(0, 9), random.between(0, 9)}};
     for (int i = random.pick(4); i > 0; --i)
       all.push_back({random.between(0, 9), random.between(0, 9), random.between(0, 9), random.between(0, 9),
                      random.between(0, 9), random.between(0, 9)});
@@ -82,6 +83,7 @@ TEST(WireSettings, KnowADeviceOverThere) {
     const DeviceLimits l = limitsOf(made);
     EXPECT_EQ(made.name, "anything");
     EXPECT_EQ(l.force_limit_N, device.of.force_limit_N);
+    EXPECT_EQ(l.motors_unchecked, device.of.motors_unchecked);
     EXPECT_EQ(l.position_resolution_m, device.of.position_resolution_m);
     EXPECT_EQ(l.force_delay_ticks, device.of.force_delay_ticks);
     EXPECT_EQ(l.slew_limit_N_per_s, device.of.slew_limit_N_per_s);

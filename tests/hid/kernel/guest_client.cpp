@@ -52,7 +52,8 @@ std::unique_ptr<Device> opened(HidBackEnd back_end, const std::string& path = ""
                     .values = choice.values,
                     .open = choice.open,
                     .simulated_clock = true,
-                    .calibrated = true};
+                    .calibrated = true,
+                    .motors_checked = true};
   setup.values["current_limit_A"] = 3;
   return makeDevice(kind.family, setup);
 }

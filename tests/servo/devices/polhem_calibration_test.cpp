@@ -18,6 +18,8 @@
 namespace palpate {
 namespace polhem_calibration_test {
 
+constexpr int kRestTicks = 300;  // in which a hand that was pushed swings out, and is seen to rest
+
 // The button asks, the host tells the device to count from home, and forces are on from zero.
 TEST(PolhemCalibration, IsCalibratedByItsButton) {
   const PolhemParameters p = knownPolhem();
@@ -25,11 +27,11 @@ TEST(PolhemCalibration, IsCalibratedByItsButton) {
   const Vec3 home_A = arm.position(arm.angles({0, 0, -5000}));
   const SampledPath at_home({0}, {Vec3(home_A.y(), home_A.z(), home_A.x())}, SampledPath::Interpolation::kLinear);
   PolhemBench bench(at_home, p, false);
-  bench.pass(3);
+  bench.pass(kRestTicks);
   EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
   EXPECT_GT((bench.position() - at_home.position(0)).norm(), 0.05);
   bench.emulated.pressCalibration();
-  bench.pass(4, Vec3(0, 1, 0));  // three reports say it, then the device is told
+  bench.pass(12, Vec3(0, 1, 0));  // the line says it for 10 ms, then the device is told
   EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
   EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero());
   bench.pass(2, Vec3(0, 1, 0));
@@ -42,9 +44,9 @@ TEST(PolhemCalibration, IsCalibratedByItsButton) {
 
 // While the command to count from home is on its way no current flows, also if the servo wants one.
 TEST(PolhemCalibration, ExertsNothingWhileItIsCalibrated) {
-  PolhemBench bench(resting());
-  bench.pass(2, Vec3(0, 1, 0));
-  bench.device.calibrate();
+  PolhemBench bench(resting(), knownPolhem(), false);
+  bench.pass(kRestTicks, Vec3(0, 1, 0));
+  EXPECT_EQ(bench.device.calibrate(), CalibrationRefusal::kNone);
   EXPECT_EQ(bench.device.held(Vec3(0, 1, 0)), Vec3::Zero());
   bench.pass(1, Vec3(0, 1, 0));
   EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero());
@@ -75,9 +77,9 @@ PolhemParameters atZero() {  // an arm whose home is where its counts are 0, as 
 // from 0 wherever it is switched on then looks as if it were at home.
 TEST(PolhemCalibration, IsNotCalibratedByARequestThatWasLostWithTheCable) {
   PolhemBench bench(resting(), atZero(), false);
-  bench.pass(1);
+  bench.pass(kRestTicks);
   bench.emulated.pressCalibration();
-  bench.pass(3);
+  bench.pass(11);
   bench.cable.refuses = true;
   bench.device.elapse(1);
   EXPECT_EQ(bench.device.forceOff(), ForceOff::kDisconnected);
@@ -104,7 +106,7 @@ TEST(PolhemCalibration, IsNotCalibratedByAnAnswerToWhatWasWrittenBefore) {
     }
     return std::optional(answer);
   };
-  PolhemDevice device(atZero(), {.rate_hz = 1000}, cable.opener());
+  PolhemDevice device(atZero(), {.rate_hz = 1000, .motors_checked = true}, cable.opener());
   struct Open {  // after the device, whose destructor waits for the thread
     std::atomic<bool>& gated;
     std::counting_semaphore<>& let;
@@ -120,10 +122,14 @@ TEST(PolhemCalibration, IsNotCalibratedByAnAnswerToWhatWasWrittenBefore) {
   };
   const auto stops = [&] { return entered.try_acquire_for(std::chrono::seconds(5)); };
   Vec3 at;
+  while (device.whyNotCalibrate() == CalibrationRefusal::kMoving) {  // it has not been seen at rest for long enough
+    EXPECT_TRUE(device.read(at));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   gated = true;
   ASSERT_TRUE(stops());  // within a write of no command
   EXPECT_TRUE(device.read(at));
-  device.calibrate();
+  EXPECT_EQ(device.calibrate(), CalibrationRefusal::kNone);
   // That write's answer, and then the command's, after which one more may have been on its way.
   for (const bool calibrated : {false, false, true}) {
     const double received = figure("reports_received");
@@ -144,7 +150,8 @@ TEST(PolhemCalibration, IsNotCalibratedByAButtonOfSomeTimeBefore) {
     EmulatedPolhem emulated(knownPolhem(), {}, resting(), kPolhemTick_s, calibrated);
     emulated.pressCalibration();
     EmulatedCable cable(emulated);
-    PolhemDevice device(knownPolhem(), {.simulated_clock = true, .calibrated = calibrated, .answer_ms = 0},
+    PolhemDevice device(knownPolhem(),
+                        {.simulated_clock = true, .calibrated = calibrated, .motors_checked = true, .answer_ms = 0},
                         cable.opener());
     const auto pass = [&](int ticks) {
       for (int i = 0; i < ticks; ++i) {
@@ -152,7 +159,7 @@ TEST(PolhemCalibration, IsNotCalibratedByAButtonOfSomeTimeBefore) {
         device.elapse(1);
       }
     };
-    pass(20);
+    pass(kRestTicks);
     EXPECT_EQ(device.forceOff(), ForceOff::kUncalibrated);  // the arm counts from elsewhere now
     EXPECT_EQ(emulated.currents_A(), Vec3::Zero());
     emulated.pressCalibration();  // it may be pressed again
@@ -164,8 +171,8 @@ TEST(PolhemCalibration, IsNotCalibratedByAButtonOfSomeTimeBefore) {
 // Nor by one that was pressed while nothing was heard for a while.
 TEST(PolhemCalibration, IsNotCalibratedByAButtonThatWasPressedUnseen) {
   for (const int silent : {90, 110}) {
-    PolhemBench bench(resting());
-    bench.pass(5);
+    PolhemBench bench(resting(), knownPolhem(), false);
+    bench.pass(kRestTicks);
     bench.cable.spoil = [](const Report&) { return std::nullopt; };
     bench.pass(silent);
     bench.emulated.pressCalibration();
@@ -190,6 +197,32 @@ TEST(PolhemCalibration, IsNotCalibratedByOneOddReport) {
     EXPECT_EQ(bench.device.forceOff(), ForceOff::kNone);
     EXPECT_LT((bench.position() - before).norm(), 5e-3);
   }
+}
+
+// A calibrated arm tells of a pose that its joints do not allow: it is another arm, or was calibrated elsewhere. One
+// that is not calibrated knows no poses.
+TEST(PolhemCalibration, IsNotCalibratedAnyMoreInAPoseThatIsImpossible) {
+  PolhemParameters p = knownPolhem();
+  p.lowest_rad = {-0.3, -0.5, -1};
+  p.highest_rad = {0.3, 1.2, 1.5};
+  // To the right until joint a is turned by more than 0.3 rad: 43 mm at a radius of 140 mm.
+  const auto at = [](double right_m) { return Vec3(right_m, 0, 0); };
+  const SampledPath path({0, 0.05, 0.1, 0.15}, {at(0.03), at(0.03), at(0.06), at(0.06)},
+                         SampledPath::Interpolation::kLinear);
+  HandParameters firm;
+  firm.hand_stiffness_N_per_m = 1e5;
+  firm.hand_damping_Ns_per_m = 200;
+  PolhemBench bench(path, p, true, firm), unknown(path, p, false, firm);
+  bench.pass(50, Vec3(0, 0.2, 0));
+  EXPECT_EQ(bench.figure("poses_impossible"), 0);
+  EXPECT_EQ(bench.device.forceOff(), ForceOff::kNone);
+  bench.pass(60, Vec3(0, 0.2, 0));
+  EXPECT_EQ(bench.figure("poses_impossible"), 3);
+  EXPECT_EQ(bench.figure("reports_implausible"), 0);
+  EXPECT_EQ(bench.device.forceOff(), ForceOff::kUncalibrated);
+  EXPECT_EQ(bench.emulated.currents_A(), Vec3::Zero());
+  unknown.pass(110);
+  EXPECT_EQ(unknown.figure("poses_impossible"), 0);
 }
 
 // It says nothing, and then counts from 0: after a short silence its place is one that no hand reaches, after a long
@@ -221,7 +254,7 @@ TEST(PolhemCalibration, ForgetsInSilenceAlsoUnseen) {
     cable.pace = std::chrono::milliseconds(1);
     std::atomic<bool> silent{false};
     cable.spoil = [&](const Report& answer) { return silent ? std::nullopt : std::optional(answer); };
-    PolhemDevice device(knownPolhem(), {.rate_hz = 1000, .calibrated = true}, cable.opener());
+    PolhemDevice device(knownPolhem(), {.rate_hz = 1000, .calibrated = true, .motors_checked = true}, cable.opener());
     EXPECT_EQ(device.forceOff(), ForceOff::kNone);
     silent = true;
     std::this_thread::sleep_for(std::chrono::milliseconds(silent_ms));
@@ -270,7 +303,8 @@ TEST(PolhemCalibration, IsNotCalibratedIfItWasAwayBeforeItsFirstReport) {
     cable.unplugged = false;
     return open();
   };
-  const PolhemDevice device(knownPolhem(), {.simulated_clock = true, .calibrated = true}, again);
+  const PolhemDevice device(knownPolhem(), {.simulated_clock = true, .calibrated = true, .motors_checked = true},
+                            again);
   EXPECT_EQ(device.forceOff(), ForceOff::kUncalibrated);
 }
 

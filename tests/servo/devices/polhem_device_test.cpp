@@ -182,7 +182,9 @@ TEST(PolhemDevice, ExertsNothingWhileItsSwitchIsPressed) {
   EmulatedCable cable(emulated);
   PlacedDevice device(
       std::make_shared<PolhemDevice>(
-          p, PolhemUse{.simulated_clock = true, .rate_hz = 1 / kPolhemTick_s, .calibrated = true}, cable.opener()),
+          p,
+          PolhemUse{.simulated_clock = true, .rate_hz = 1 / kPolhemTick_s, .calibrated = true, .motors_checked = true},
+          cable.opener()),
       {});
   Vec3 at = Vec3::Zero(), held_at = Vec3::Zero();
   const auto pass = [&](int ticks) {
@@ -223,7 +225,7 @@ TEST(PolhemDevice, BelievesAHandWhoseReportsAreReadLate) {
     }
     return std::optional(answer);
   };
-  PolhemDevice device(knownPolhem(), {.rate_hz = 1000, .calibrated = true}, cable.opener());
+  PolhemDevice device(knownPolhem(), {.rate_hz = 1000, .calibrated = true, .motors_checked = true}, cable.opener());
   Vec3 at;
   for (int i = 0; i < 400; ++i) {
     static_cast<void>(device.read(at));
@@ -242,7 +244,8 @@ TEST(PolhemDevice, KnowsThePaceOfItsReports) {
     EmulatedPolhem emulated(knownPolhem(), {}, resting(), kPolhemTick_s);
     EmulatedCable cable(emulated);
     cable.pace = pace;
-    const PolhemDevice device(knownPolhem(), {.rate_hz = rate_hz, .calibrated = true}, cable.opener());
+    const PolhemDevice device(knownPolhem(), {.rate_hz = rate_hz, .calibrated = true, .motors_checked = true},
+                              cable.opener());
     double period_us = 0;
     for (const DeviceFigure& f : device.figures()) {
       if (f.key == "report_period_us") period_us = f.value;
@@ -268,7 +271,8 @@ TEST(PolhemDevice, KnowsThePaceBesideTrouble) {
     cable.pace = std::chrono::milliseconds(4);
     int answers = 0;
     cable.spoil = [&](const Report& answer) { return spoil(++answers, answer); };
-    const PolhemDevice device(knownPolhem(), {.rate_hz = 100, .calibrated = true}, cable.opener());
+    const PolhemDevice device(knownPolhem(), {.rate_hz = 100, .calibrated = true, .motors_checked = true},
+                              cable.opener());
     for (const DeviceFigure& f : device.figures()) {
       if (f.key == "report_period_us") return f.value;
     }
@@ -294,7 +298,8 @@ TEST(PolhemDevice, RefusesToBeTooSlowForTheRate) {
   EmulatedCable cable(emulated);
   cable.pace = std::chrono::milliseconds(4);
   try {
-    const PolhemDevice device(knownPolhem(), {.rate_hz = 20'000, .calibrated = true}, cable.opener());
+    const PolhemDevice device(knownPolhem(), {.rate_hz = 20'000, .calibrated = true, .motors_checked = true},
+                              cable.opener());
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kDevice);
@@ -312,7 +317,26 @@ TEST(PolhemDevice, RefusesWhatIsNoPolhem) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), Error::Code::kDevice);
-    EXPECT_THAT(error.what(), testing::HasSubstr("not those of a Polhem with 64 bytes"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("its reports have 14 bytes, and not 64"));
+  }
+  // What it says is neither, and named as what it is.
+  for (const auto& [bytes, words] :
+       {std::pair<std::size_t, const char*>{8, "have 8 bytes, as the public streaming"},
+        std::pair<std::size_t, const char*>{14, "of 14 bytes are not those of a Polhem"}}) {
+    EmulatedCable other(emulated);
+    other.spoil = [bytes = bytes](Report report) {
+      report.size = bytes;
+      report.bytes.fill(0x55);
+      return std::optional(report);
+    };
+    other.says_itself = false;
+    try {
+      const PolhemDevice device(knownPolhem(), {.simulated_clock = true}, other.opener());
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_THAT(error.what(), testing::HasSubstr(words));
+      EXPECT_THAT(error.what(), testing::HasSubstr("; load a firmware that is driven here into it"));
+    }
   }
   PolhemParameters bad = knownPolhem();
   bad.report_bytes = 20;

@@ -48,7 +48,7 @@ TEST(ReportLink, KnowsWhichWriteALateAnswerBelongsTo) {
   LateDevice& device = *port;
   Report ask;
   ask.size = 1;
-  ReportLink link([&] { return std::move(port); }, {.rest = ask, .on_request = ask, .answer_ms = 20});
+  ReportLink link([&] { return std::move(port); }, {.rest = ask, .answer_ms = 20});
   EXPECT_FALSE(link.exchange());
   EXPECT_EQ(link.figures().lost, 1U);
   for (std::uint8_t number = 2; number < 6; ++number) {
@@ -70,10 +70,10 @@ TEST(ReportLink, CountsARequestWithTheReportAfterItsAnswer) {
   auto port = std::make_unique<LateDevice>();
   Report ask;
   ask.size = 1;
-  ReportLink link([&] { return std::move(port); }, {.rest = ask, .on_request = ask, .answer_ms = 5});
+  ReportLink link([&] { return std::move(port); }, {.rest = ask, .answer_ms = 5});
   static_cast<void>(link.exchange());
   EXPECT_TRUE(link.exchange());
-  link.askOnce();
+  link.askOnce(ask);
   EXPECT_TRUE(link.exchange());
   EXPECT_EQ(link.newest().requests, 0U);
   EXPECT_TRUE(link.exchange());

@@ -77,7 +77,8 @@ int runChildWithPolhem() {
     EmulatedPolhem emulated(parameters, {}, scene.path, 1e-3);
     EmulatedCable cable(emulated);
     GuardedDevice device(std::make_unique<PlacedDevice>(
-        std::make_unique<PolhemDevice>(parameters, PolhemUse{.calibrated = true}, cable.opener()),
+        std::make_unique<PolhemDevice>(parameters, PolhemUse{.calibrated = true, .motors_checked = true},
+                                       cable.opener()),
         Placement{.at_W = TouchScene::above(0)}));
     LoopParameters p;
     p.ticks = 0;

@@ -25,6 +25,14 @@
 
 namespace palpate {
 
+// How motors and encoders are plugged in: `motor[k]` is what the plug of motor k drives, with the leads as `sign` says,
+// 0 for one that is dead; `encoder[k]` is what the plug of encoder k tells, -1 for one that is dead.
+struct ArmWiring {
+  std::array<int, 3> motor = {0, 1, 2};
+  std::array<int, 3> sign = {1, 1, 1};
+  std::array<int, 3> encoder = {0, 1, 2};
+};
+
 class EmulatedPolhem {
  public:
   static constexpr double kWatchdog_s = 0.5;
@@ -48,6 +56,16 @@ class EmulatedPolhem {
     currents_A_.setZero();
     asks_ = nears_home_ = false;
   }
+  // However it is wired, and as it was told in its home position by a host that takes it for an arm with other counts
+  // there.
+  void wire(const ArmWiring& wiring, const std::array<int, 3>& home_counts) {
+    wiring_ = wiring;
+    for (std::size_t k = 0; k < 3; ++k)
+      offset_[k] = home_counts[k] -
+                   (wiring.encoder[k] < 0 ? 0 : parameters_.home_counts[static_cast<std::size_t>(wiring.encoder[k])]);
+  }
+  // The hand stays where its path begins until the motors have pushed and then been still for so many ticks.
+  void waitForPushes(int still_ticks) { waits_ticks_ = still_ticks; }
   void pressCalibration() { asks_ = true; }
   void releaseCalibration() { asks_ = false; }  // which no firmware does: a damaged report may look so
   // The same where the handle is near its home position: it counts as if it had been exactly there before.
@@ -70,7 +88,7 @@ class EmulatedPolhem {
     silent_s_ = 0;
     const auto command =
         parsePolhemCommand(report.content().subspan(1), static_cast<std::size_t>(parameters_.report_bytes));
-    if (command && command->count_from && nears_home_) {
+    if (command && command->count_from && nears_home_ && isHome(*command->count_from)) {
       offset_ = {};
       asks_ = nears_home_ = false;
       currents_A_.setZero();
@@ -80,7 +98,8 @@ class EmulatedPolhem {
       asks_ = false;
       currents_A_.setZero();
     } else if (command) {
-      for (int k = 0; k < 3; ++k) currents_A_[k] = 1e-3 * command->currents_mA[static_cast<std::size_t>(k)];
+      for (std::size_t k = 0; k < 3; ++k)
+        currents_A_[wiring_.motor[k]] = 1e-3 * wiring_.sign[k] * command->currents_mA[k];
     }
     passTick();
     return state();
@@ -108,12 +127,29 @@ class EmulatedPolhem {
     angles_ = arm_.anglesAt(toArm(state_.position_W)).value_or(angles_);
     return angles_;
   }
-  [[nodiscard]] ArmCounts trueCounts() const { return arm_.countsAt(angles()); }
+  // As the encoders' plugs tell them.
+  [[nodiscard]] ArmCounts trueCounts() const {
+    const ArmCounts turned = arm_.countsAt(angles());
+    ArmCounts told{};
+    for (std::size_t k = 0; k < 3; ++k)
+      told[k] = wiring_.encoder[k] < 0 ? 0 : turned[static_cast<std::size_t>(wiring_.encoder[k])];
+    return told;
+  }
+  [[nodiscard]] bool isHome(const PolhemCounts& counts) const {
+    const std::array<int, 3>& home = parameters_.home_counts;
+    return counts[0] == home[0] && counts[1] == home[1] && counts[2] == home[2];
+  }
   void passTick() {
     const Vec3 force = force_D();
     forces_D_.push_back(force);
     const Vec3 start = path_.position(time_s_);
-    time_s_ = static_cast<double>(++ticks_) * tick_s_;
+    if (waits_ticks_ > 0) {
+      was_pushed_ = was_pushed_ || !force.isZero(0);
+      still_ticks_ = force.isZero(0) ? still_ticks_ + 1 : 0;
+      if (was_pushed_ && still_ticks_ >= waits_ticks_) waits_ticks_ = 0;
+    } else {
+      time_s_ = static_cast<double>(++ticks_) * tick_s_;
+    }
     state_ = dynamics_.step(state_, start, path_.position(time_s_), force);
   }
 
@@ -125,8 +161,11 @@ class EmulatedPolhem {
   std::int64_t ticks_ = 0;
   HandDynamics::State state_;
   mutable Vec3 angles_ = Vec3::Zero();
+  ArmWiring wiring_;
   std::array<std::int64_t, 3> offset_{};
   Vec3 currents_A_ = Vec3::Zero();
+  int waits_ticks_ = 0, still_ticks_ = 0;  // 0: it waits for nothing
+  bool was_pushed_ = false;
   bool asks_ = false, pressed_ = false, nears_home_ = false;
   std::vector<Vec3> forces_D_;
 };

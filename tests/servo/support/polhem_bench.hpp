@@ -37,7 +37,12 @@ struct PolhemBench {
                        const HandParameters& hand = {})
       : emulated(p, hand, path, kPolhemTick_s, calibrated),
         cable(emulated),
-        device(p, {.simulated_clock = true, .rate_hz = 1 / kPolhemTick_s, .calibrated = calibrated, .answer_ms = 0},
+        device(p,
+               {.simulated_clock = true,
+                .rate_hz = 1 / kPolhemTick_s,
+                .calibrated = calibrated,
+                .motors_checked = true,
+                .answer_ms = 0},
                cable.opener()) {}
 
   Vec3 position() {
