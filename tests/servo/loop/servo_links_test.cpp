@@ -15,34 +15,6 @@
 namespace palpate {
 namespace servo_links_test {
 
-// The windows of another engine over the same volume, in memory of its own, and the servo's ends of it.
-struct NextEngine {
-  NextEngine(const TouchScene& scene, std::uint64_t first_version)
-      : volume(scene.volume),
-        storage(scene.storage.capacity()),
-        windows(block, storage.pointers(), storage.capacity(), first_version),
-        servos_windows(block, storage.pointers(), storage.capacity()) {}
-  // False: it has not heard of the tool.
-  bool publish(std::int64_t now_ns) {
-    const ToolPose& at = tool.latest();
-    if (at.tick < 0) return false;
-    const Vec3i count = Vec3i::Constant(32);
-    volume.fill(windows.back(), windows.backSamples(),
-                volume.firstAround(at.at_surface ? at.surface_W : at.position_W, count), count);
-    windows.back().stamp_ns = now_ns;
-    windows.publish();
-    return true;
-  }
-  const AnalyticVolume& volume;
-  WindowStorage storage;
-  WindowBlock block;
-  ToolPoseBlock pose;
-  WindowExchange windows;
-  ToolPoseMailbox tool{pose};
-  WindowExchange servos_windows;
-  ToolPoseMailbox servos_tool{pose};
-};
-
 // A hand that presses while the first engine dies at kDies and the next one begins at `begins`.
 struct Takeover {
   static constexpr std::int64_t kDies = 300;
