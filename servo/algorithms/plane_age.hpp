@@ -14,8 +14,8 @@ struct PlaneAge {
   int n = 1;                   // AlgorithmParameters::plane_renewal_ticks
   double curvature_per_m = 0;  // along the way: for the depth that of the level set under the tool, 1 / (R - D); for
                                // the VHIP that of the surface, 1 / R
-  double depth_m = 0;  // D
-  double voxel_m = 0;  // shortest side
+  double depth_m = 0;          // D
+  double voxel_m = 0;          // shortest side
 
   // The sag of the surface over a way along it [m].
   [[nodiscard]] constexpr double sag(double way_m) const noexcept { return way_m * way_m * curvature_per_m / 2; }

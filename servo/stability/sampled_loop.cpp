@@ -183,7 +183,7 @@ double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m, double p
 
 bool settlesSoon(const SampledLoop& loop, const Wall& wall) {
   if (loop.delay_ticks > kMostExactDelay)
-    return isStable(loop, {2 * wall.stiffness_N_per_m, 2 * wall.damping_Ns_per_m}) && isStable(loop, wall);
+    return isStable(loop, {3 * wall.stiffness_N_per_m, 3 * wall.damping_Ns_per_m}) && isStable(loop, wall);
   const LateFeedback form = characteristic(loop, wall);
   if (!allInside(form)) return false;
   const Loss least = lossOf(loop.hand);
@@ -226,14 +226,27 @@ int delayBound(const SampledLoop& loop, const Wall& wall, int most) {
   return most;
 }
 
+namespace {
+
 // A longer tick is never better: searched from the shortest one on.
-double rateBound(const SampledLoop& loop, const Wall& wall, double precision) {
+double leastRate(const SampledLoop& loop, const Wall& wall, double precision,
+                 bool (*holds)(const SampledLoop& loop, const Wall& wall)) {
   SampledLoop other = loop;
   const double longest_s = lastOfRun(1 / kHighestRate_hz, 1.0, precision, [&](double tick_s) {
     other.rate_hz = 1 / tick_s;
-    return isStable(other, wall);
+    return holds(other, wall);
   });
   return longest_s > 0 ? 1 / longest_s : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+double rateBound(const SampledLoop& loop, const Wall& wall, double precision) {
+  return leastRate(loop, wall, precision, isStable);
+}
+
+double settlingRate(const SampledLoop& loop, const Wall& wall, double precision) {
+  return leastRate(loop, wall, precision, settlesSoon);
 }
 
 }  // namespace palpate

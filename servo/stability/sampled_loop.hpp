@@ -59,12 +59,14 @@ inline constexpr double kBoundPrecision = 1e-3;
 // Whether the contact comes to rest soon: this, not stability alone, is what a wall must have to be given to a hand. A
 // swing near the border of stability goes on for seconds, and what the model leaves out may feed it. Every mode that
 // swings loses
-// - kLossAPeriod of itself in each period, or in each round of a delay that is longer. SwingWatch takes a swing that
-//   loses less than 5.6 % a period for one that is kept up; the rest is margin;
+// - kLossAPeriod of itself in each period, or in each round of a delay that is longer. A surface that moves by a is
+// then
+//   answered by swings of at most Q a, with Q = pi / -ln(1 - kLossAPeriod) = 29.8. SwingWatch takes swings of more than
+//   kAnswered = 40 times what asked for them, and swings that lose less than 5.6 % a period, for unstable;
 // - nine tenths of itself within kLongestRing_s, however slow it is.
 // No more is asked than half of the loss of hand and device without a wall, in a period and in a second: a wall cannot
-// damp what they do not. With a delay of more than kMostExactDelay ticks a wall settles if one that is twice as stiff
-// and damped is stable: its modes are as many as the delay has ticks.
+// damp what they do not. With a delay of more than kMostExactDelay ticks a wall settles if one that is three times as
+// stiff and damped is stable: its modes are as many as the delay has ticks.
 inline constexpr double kLossAPeriod = 0.1;
 inline constexpr double kLongestRing_s = 2;
 inline constexpr int kMostExactDelay = 16;
@@ -89,5 +91,7 @@ inline constexpr double kMostDamping_Ns_per_m = 1e5;
 // The rate from which on the wall is stable, up to kHighestRate_hz [Hz]; infinity if it is unstable at that rate.
 inline constexpr double kHighestRate_hz = 20000;
 [[nodiscard]] double rateBound(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
+// The same for a wall that settles soon.
+[[nodiscard]] double settlingRate(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
 
 }  // namespace palpate
