@@ -2,11 +2,12 @@
 // apps/servo_setup/contact_bounds.hpp: can this device render this contact, or will it shake? Asked before the servo
 // starts.
 //
-// The answer is that of the linear sampled loop (servo/stability/sampled_loop.hpp), for each hand that the device
-// reckons with (Device::hands()), with the largest stiffness that the settings can make. It knows no curved surface, no
-// encoders and no limits of the force. An adaptive velocity estimate counts as its shortest window.
-// Set-up code: tens of microseconds for mayShake(), some milliseconds for a bound or a warning, whatever the device's
-// delay.
+// The answer is that of the linear sampled loop (settlesSoon() in servo/stability/sampled_loop.hpp), for each hand that
+// the device reckons with (Device::hands()), with the largest stiffness that the settings and their effects can make. A
+// wall that is stable but does not settle soon counts as one that shakes. Encoders that round make it up to 4 / pi
+// stiffer. It knows no curved surface and no limits of the force. An adaptive velocity estimate counts as its shortest
+// window. Set-up code: tens of microseconds for mayShake(), some milliseconds for a bound or a warning, whatever the
+// device's delay.
 #pragma once
 
 #include <string>
@@ -18,17 +19,18 @@
 
 namespace palpate {
 
-// Whether the contact may be unstable in a hand: it is in the linear loop, or nothing is known of the device, or the
-// algorithm has no stiffness. Asked at every change of the settings.
+// Whether the contact may swing on in a hand: it does not settle soon in the linear loop, or nothing is known of the
+// device, or the algorithm has no stiffness. Asked at every change of the settings.
 [[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
-// The stiffest surface that is stable in every hand with the settings' damping [N/m]; infinite: nothing is known of the
-// device, or the algorithm has no stiffness.
+// The largest stiffness that settles soon in every hand, with the settings' damping and effects [N/m]: what a warning
+// names. Infinite: nothing is known of the device, or the algorithm has no stiffness.
 [[nodiscard]] double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The stiffness to begin with on a device that a person holds, where nobody asked for one [N/m]: what its maker states,
-// or else the settings'; in both cases no more than is stable in every hand and than its encoders and its dry friction
-// make passive (servo/stability/passivity_bounds.hpp), in two digits. A device that no force moves gets the settings'.
+// or else the settings'; in both cases no more than settles soon in every hand and than its encoders and its dry
+// friction make passive (servo/stability/passivity_bounds.hpp), in two digits. A device that no force moves gets the
+// settings'.
 [[nodiscard]] double usualStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The damping to begin with there [N s/m]: the settings', at most half of what is stable in every hand with the softest

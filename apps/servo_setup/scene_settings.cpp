@@ -121,8 +121,7 @@ Scene withRigSettings(Scene scene, const RigSettings& settings) {
 
 double lackingDamping(const Scene& scene, const DeviceLimits& device) {
   if (!algorithmEntry(scene.algorithm).traits.shows_surface) return 0;
-  double factor = scene.stiffness_density.empty() ? 1 : 0;
-  for (const std::vector<double>& row : scene.stiffness_density) factor = std::max(factor, row.at(1));
+  const double factor = mostStiffening(effectParameters(scene));
   const double needed_Ns_per_m = stiffnessOf(scene) * factor * (0.5 + device.force_delay_ticks) / scene.rate_hz;
   return std::max(0.0, needed_Ns_per_m - dampingOf(scene));
 }

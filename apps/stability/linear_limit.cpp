@@ -5,6 +5,8 @@
 #include <cmath>
 #include <span>
 
+#include "servo/algorithms/edit_ease.hpp"
+
 namespace palpate {
 namespace {
 
@@ -59,7 +61,7 @@ bool settlesAt(const SimulatedLimit& what, double stiffness_N_per_m, const WallV
   run.seconds = watch_s;
   for (const double step : {kSteps[1], kSteps[2]}) {
     run.changes.push_back({run.seconds, contact(step)});
-    run.seconds += ServoLoop::kChangeOver_s + watch_s;
+    run.seconds += EditEase::kTime_s + watch_s;
   }
   const auto quarter = static_cast<std::size_t>(watch_s * what.loop.rate_hz / 4);
   run.loop.record_ticks = static_cast<std::int64_t>(2 * quarter);

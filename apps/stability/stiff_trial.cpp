@@ -79,7 +79,7 @@ StiffOutcome play(const StiffTrial& trial, const WallVolume& plane) {
   run.device.delay_ticks = trial.loop.delay_ticks;
   run.device.encoder_resolution_m = trial.resolution_m;
   run.loop = loopOf(trial);
-  run.loop.instability.doubtful = !isStable(trial.loop, trial.wall);  // as a rig sets it
+  run.loop.instability.doubtful = !settlesSoon(trial.loop, trial.wall);  // as a rig sets it
   run.seconds = kTrial_s;
   run.hand_W = [&](double time_s) {
     return Vec3(0, 0, 1e-3 - (1e-3 + trial.press_m) * std::clamp(time_s / 0.3, 0.0, 1.0));

@@ -120,7 +120,12 @@ BenchRow servoParameters(const ServoPlace& place, const AlgorithmEntry& algorith
           {"depth_voxel", place.depth_voxel},
           {"radius", ballInWords(place.size)},
           {"age_way_mm", 1e3 * way_m},
-          {"age_bound_um", 1e6 * way_m * way_m / (2 * ballRadius_m(place.size))}};
+          {"age_bound_um", 1e6 * algorithm.plane_age_error({.speed_m_per_s = place.speed_m_per_s,
+                                                            .rate_hz = kBenchRate_hz,
+                                                            .n = n,
+                                                            .curvature_per_m = 1 / ballRadius_m(place.size),
+                                                            .depth_m = place.depth_voxel * kServoVoxel_m,
+                                                            .voxel_m = kServoVoxel_m})}};
 }
 
 std::vector<StudyCell> servoCells(const StudySettings& settings) {
@@ -196,7 +201,8 @@ std::vector<StudyPlot> servoPlots(bool /*quick*/) {
                    .labels = {},
                    .front = false,
                    .lines = {{"(v n T)^2 / (2 R)", [](double way_mm) {
-                                return 1e6 * (1e-3 * way_mm) * (1e-3 * way_mm) / (2 * ballRadius_m(kLargeBall));
+                                return 1e6 *
+                                       PlaneAge{.curvature_per_m = 1 / ballRadius_m(kLargeBall)}.sag(1e-3 * way_mm);
                               }}}});
   return plots;
 }
@@ -242,8 +248,8 @@ void servoPromises(BenchResult& result) {
   }
   if (!rows.empty()) {
     result.targets.push_back(
-        {"hri, no noise, any n and speed: largest error of the position / ((v n T)^2 / 2R + h^2 / 4R) [-]", worst,
-         kMostOfBound});
+        {"hri, no noise, any n and speed: largest error of the position / (what its planes' age allows + h^2 / 4R) [-]",
+         worst, kMostOfBound});
   }
   promise(result, {.name = "hri, up to 0.5 m/s, any n, noise up to 0.25 voxel: contacts lost [-]",
                    .bound = 0,

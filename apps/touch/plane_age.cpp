@@ -2,7 +2,6 @@
 #include "apps/touch/plane_age.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -30,51 +29,89 @@ bool isInside(const SurfaceField& surface, const Vec3& p_W) {
   return surface.sample(p_W, density, gradient_W) && density > surface.isovalue();
 }
 
-// The depth error at one place of the path; empty where it does not touch or move along the surface.
-std::optional<double> errorAt(const SurfaceField& surface, const Vec3& p_W, const Vec3& velocity_W, double age_s) {
+// How deep a place in the object is, along its outward normal [m]; at most kDeepest voxels.
+double depthAt(const SurfaceField& surface, const Vec3& p_W, const Vec3& normal_W, double voxel_m) {
+  constexpr int kDeepest = 64, kStepsAVoxel = 2;
+  double density = 0, before = 0;
+  Vec3 gradient_W = Vec3::Zero();
+  for (int i = 0; i <= kDeepest * kStepsAVoxel; ++i) {
+    const double out_m = i * voxel_m / kStepsAVoxel;
+    before = density;
+    if (!surface.sample(p_W + out_m * normal_W, density, gradient_W)) return out_m;
+    if (density > surface.isovalue()) continue;
+    const double back = i > 0 ? (surface.isovalue() - density) / (before - density) : 0;
+    return out_m - back * voxel_m / kStepsAVoxel;
+  }
+  return kDeepest * voxel_m;
+}
+
+// What ages a plane at one place of the path; empty where it does not touch.
+std::optional<PlaneAge> ageAt(const SurfaceField& surface, const Vec3& p_W, const Vec3& velocity_W) {
   if (!isInside(surface, p_W)) return {};
   const std::optional<Vec3> normal_W = levelNormal(surface, p_W);
   if (!normal_W) return {};
-  const Vec3 along_W = velocity_W - normal_W->dot(velocity_W) * *normal_W;
-  const double speed_m_per_s = along_W.norm();
-  if (!(speed_m_per_s > 0)) return 0.0;
   const double voxel_m = surface.lattice().smallestSpacing();
-  const Vec3 step_W = along_W / speed_m_per_s * voxel_m;
+  PlaneAge age{.depth_m = depthAt(surface, p_W, *normal_W, voxel_m), .voxel_m = voxel_m};
+  const Vec3 along_W = velocity_W - normal_W->dot(velocity_W) * *normal_W;
+  age.speed_m_per_s = along_W.norm();
+  if (!(age.speed_m_per_s > 0)) return age;
+  const Vec3 step_W = along_W / age.speed_m_per_s * voxel_m;
   const auto ahead_W = levelNormal(surface, p_W + step_W), behind_W = levelNormal(surface, p_W - step_W);
   if (!ahead_W || !behind_W) return {};
-  const double curvature_per_m = (*ahead_W - *behind_W).norm() / (2 * voxel_m);
-  const double way_m = speed_m_per_s * age_s;
-  return way_m * way_m * curvature_per_m / 2;
+  age.curvature_per_m = (*ahead_W - *behind_W).norm() / (2 * voxel_m);
+  return age;
 }
 
-}  // namespace
-
-double planeAgeError(const Path& path, const SurfaceField& surface, int n, double rate_hz) {
+// At kPlaces of the path.
+std::vector<PlaneAge> agesAlong(const Path& path, const SurfaceField& surface, double rate_hz) {
   const double step_s = 1 / rate_hz;
-  std::vector<double> errors_m;
+  std::vector<PlaneAge> ages;
   for (int i = 0; i < kPlaces; ++i) {
     const double time_s = path.duration_s() * (i + 0.5) / kPlaces;
-    const Vec3 p_W = path.position(time_s);
     const Vec3 velocity_W = (path.position(time_s + step_s) - path.position(time_s - step_s)) / (2 * step_s);
-    if (const auto error_m = errorAt(surface, p_W, velocity_W, n * step_s)) errors_m.push_back(*error_m);
+    if (auto age = ageAt(surface, path.position(time_s), velocity_W)) {
+      age->rate_hz = rate_hz;
+      ages.push_back(*age);
+    }
+  }
+  return ages;
+}
+
+double errorOf(std::vector<PlaneAge> ages, PlaneAgeError planeAgeError, int n) {
+  std::vector<double> errors_m;
+  for (PlaneAge& age : ages) {
+    age.n = n;
+    errors_m.push_back(planeAgeError(age));
   }
   std::sort(errors_m.begin(), errors_m.end());
   return quantile(errors_m, 0.9);
 }
 
+}  // namespace
+
+double planeAgeError(const Path& path, const SurfaceField& surface, std::string_view algorithm, int n, double rate_hz) {
+  return errorOf(agesAlong(path, surface, rate_hz), algorithmEntry(algorithm).plane_age_error, n);
+}
+
 std::optional<std::string> noteOnPlaneAge(const Scene& scene, const Path& path, const SurfaceField& surface) {
-  if (!algorithmEntry(scene.algorithm).traits.renews_planes) return {};
+  const AlgorithmEntry& algorithm = algorithmEntry(scene.algorithm);
+  if (!algorithm.traits.renews_planes) return {};
+  const std::vector<PlaneAge> ages = agesAlong(path, surface, scene.rate_hz);
   const int n = scene.plane_renewal_ticks;
-  const double error_m = planeAgeError(path, surface, n, scene.rate_hz);
-  const double error_N = stiffnessOf(scene) * error_m;
-  if (error_N < kFeltStep_N) return {};
-  const int allowed = static_cast<int>(n * std::sqrt(kFeltStep_N / error_N));
+  const auto error = [&](int ticks) { return errorOf(ages, algorithm.plane_age_error, ticks); };
+  const auto isFelt = [&](int ticks) { return stiffnessOf(scene) * error(ticks) >= kFeltStep_N; };
+  if (!isFelt(n)) return {};
+  int allowed = 0;  // the largest n that is not felt
+  for (int felt = n; felt - allowed > 1;) {
+    const int middle = allowed + (felt - allowed) / 2;
+    (isFelt(middle) ? felt : allowed) = middle;
+  }
   const std::string remedy = allowed >= 1 ? fmt::format("--n {} keeps it below {} N", allowed, shortNumber(kFeltStep_N))
                                           : "move more slowly or raise --rate";
   return fmt::format(
-      "a plane is kept for {} ticks, in which the surface bends by {} mm under this path, so the force is off by up to "
-      "{} N; {}",
-      n, shortNumber(error_m * kMillimetresPerMetre), shortNumber(error_N), remedy);
+      "a plane is kept for up to {} ticks, in which the surface bends by {} mm under this path, so the force is off by "
+      "up to {} N; {}",
+      n, shortNumber(error(n) * kMillimetresPerMetre), shortNumber(stiffnessOf(scene) * error(n)), remedy);
 }
 
 }  // namespace palpate

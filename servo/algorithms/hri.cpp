@@ -299,6 +299,19 @@ void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept 
 }
 
 // Begins the life of a plane: from here it holds as far as its error allows.
+// The squared lateral distance for which a plane holds [m^2]. `per_turn_squared`: see the member [voxel^2].
+double HriSurface::reachSquared(double per_turn_squared, double depth_m, double voxel_m) noexcept {
+  const double off_m = std::max(kMostOff * depth_m, kLeastOff * voxel_m);
+  return std::min(kMostTurned * kMostTurned * voxel_m * voxel_m * per_turn_squared,
+                  2 * off_m * voxel_m * std::sqrt(per_turn_squared));
+}
+
+double HriSurface::planeAgeError(const PlaneAge& age) noexcept {
+  const double turn = std::clamp(age.curvature_per_m * age.voxel_m, kLeastTurn, kFirstTurn);  // [rad/voxel]
+  const double longest_m = std::sqrt(reachSquared(1 / (turn * turn), age.depth_m, age.voxel_m));
+  return age.sag(std::min(age.way(age.n), longest_m));
+}
+
 void HriSurface::settle(const Vec3& hip_W) noexcept {
   renewed_at_W_ = hip_W;
   age_ticks_ = 0;
@@ -307,10 +320,7 @@ void HriSurface::settle(const Vec3& hip_W) noexcept {
     reach_squared_m2_ = kNoReach;
     return;
   }
-  const double voxel_m = field_->voxel();
-  const double off_m = std::max(kMostOff * plane().depth(hip_W), kLeastOff * voxel_m);
-  reach_squared_m2_ = std::min(kMostTurned * kMostTurned * voxel_m * voxel_m * per_turn_squared_,
-                               2 * off_m * voxel_m * std::sqrt(per_turn_squared_));
+  reach_squared_m2_ = reachSquared(per_turn_squared_, plane().depth(hip_W), field_->voxel());
 }
 
 }  // namespace palpate

@@ -35,6 +35,7 @@
 
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/algorithms/field_cache.hpp"
+#include "servo/algorithms/plane_age.hpp"
 #include "servo/algorithms/surface_tracker.hpp"
 #include "servo/algorithms/vhip_algorithm.hpp"
 
@@ -63,6 +64,10 @@ class HriSurface {
   // surface needs four times that motion if the press is three quarters of its radius deep.
   static constexpr double kSlide = 0.1;     // [voxel]
   static constexpr double kSlideByWay = 4;  // [-]
+
+  // The lesser of the sag over n ticks and of that over the longest way for which a plane is kept. The rate of turning
+  // that is assumed is the surface's, or for a contact's first plane kFirstTurn.
+  [[nodiscard]] static double planeAgeError(const PlaneAge& age) noexcept;
 
   explicit HriSurface(const AlgorithmParameters& parameters) noexcept
       : renewal_ticks_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}
@@ -100,6 +105,7 @@ class HriSurface {
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
   [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
   void begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
+  [[nodiscard]] static double reachSquared(double per_turn_squared, double depth_m, double voxel_m) noexcept;
   void settle(const Vec3& hip_W) noexcept;
   void release(const Probe& hip) noexcept;
 

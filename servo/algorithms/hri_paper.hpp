@@ -33,6 +33,7 @@
 
 #include "servo/algorithms/algorithm.hpp"
 #include "servo/algorithms/field_cache.hpp"
+#include "servo/algorithms/plane_age.hpp"
 #include "servo/algorithms/vhip_algorithm.hpp"
 
 namespace palpate {
@@ -43,6 +44,11 @@ class HriPaperSurface {
  public:
   static constexpr bool kMayPull = true;
   static constexpr bool kEasesEdits = false;
+  // The sag over n + 1 ticks, and over the way by which a new plane is behind the tool: it is found along the old
+  // normal, which lags by an angle; at the depth D that is D / R of the lag, and so on from renewal to renewal.
+  [[nodiscard]] static double planeAgeError(const PlaneAge& age) noexcept {
+    return age.sag(age.way(age.n + 1) * (1 + age.curvature_per_m * age.depth_m));
+  }
 
   explicit HriPaperSurface(const AlgorithmParameters& parameters, PaperPoint point = PaperPoint::kFromTheEnds) noexcept
       : point_(point), n_(parameters.plane_renewal_ticks), cache_(parameters.isovalue) {}

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/plane_age.hpp"
 #include "servo/algorithms/transfer_function.hpp"
 #include "servo/contact/contact_effect.hpp"
 #include "servo/objects/object_contacts.hpp"
@@ -38,12 +39,19 @@ struct AlgorithmTraits {
   bool shows_surface = true;   // its VHIP is an estimate of the surface point; false: its VHIP is the HIP
 };
 
+// How far the plane may be off at most, when the tick that uses it last ends [m]; 0: it keeps no plane.
+using PlaneAgeError = double (*)(const PlaneAge& age) noexcept;
+[[nodiscard]] constexpr double keepsNoPlane(const PlaneAge& /*age*/) noexcept {
+  return 0;
+}
+
 struct AlgorithmEntry {
   std::string_view name;
   std::string_view description;  // one line
   std::unique_ptr<Algorithm> (*make)(AlgorithmSetup&& setup);
   AlgorithmNeeds needs = {};
   AlgorithmTraits traits = {};
+  PlaneAgeError plane_age_error = keepsNoPlane;
 };
 
 // The first is the default.

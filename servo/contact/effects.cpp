@@ -101,6 +101,19 @@ std::string contactEffectNames(const EffectParameters& p) {
   return names;
 }
 
+double mostStiffening(const EffectParameters& p) noexcept {
+  constexpr double kByTexture = 4;
+  double most = p.force_shading ? std::hypot(1.0, ForceShading::kSteepest) : 1;
+  if (p.texture != TextureKind::kNone && p.texture_amplitude_m > 0) most *= kByTexture;
+  if (p.stiffness_by_density.empty()) return most;
+  const auto largest = std::ranges::max_element(p.stiffness_by_density, {}, &StiffnessRow::factor);
+  return most * largest->factor;
+}
+
+bool holdAside(const EffectParameters& p) noexcept {
+  return p.friction.static_ratio > 0;
+}
+
 ContactEffects makeContactEffects(const EffectParameters& p, double stiffness_N_per_m, double rate_hz) {
   checkParameters(p, stiffness_N_per_m, rate_hz);
   ContactEffects effects;

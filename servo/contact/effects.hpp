@@ -47,6 +47,19 @@ struct EffectParameters {
 // none.
 [[nodiscard]] std::string contactEffectNames(const EffectParameters& parameters);
 
+// By how much the effects multiply the contact's stiffness at most [-]: the largest change of the force for a motion of
+// the tool along the normal, over K.
+// - Force shading turns the force by up to atan(kSteepest), so it is sqrt(1 + kSteepest^2) as long: 1.41.
+// - Texture stores K D'^2 / 2 with D' = D + h s(D). That bends by (1 + h / A)^2 at D = 0 where h > 0, and by 1.5 at D =
+//   2A where h = -A; so by 4 at most (texture.hpp).
+// - Stiffness by density: the table's largest factor.
+// Recovery and friction add no stiffness along the normal.
+[[nodiscard]] double mostStiffening(const EffectParameters& parameters) noexcept;
+
+// Whether effects hold the tool along the surface by a spring of the contact's stiffness. The surface's damping acts
+// along the normal alone (vhip_algorithm.hpp), so such a spring has none.
+[[nodiscard]] bool holdAside(const EffectParameters& parameters) noexcept;
+
 // `stiffness_N_per_m`: K of the contact; `rate_hz`: ticks a second. Throws Error(kBadInput) on a negative or non-finite
 // value, a rate or wavelength of 0, a recovery of more than kLongestRecovery ticks, a dynamic friction above the static
 // one, and a stiffness table that StiffnessTable refuses.

@@ -38,10 +38,9 @@ std::uint32_t InstabilityGuard::faults() const noexcept {
   return unstable_ ? bit(ServoFault::kUnstable) : 0;
 }
 
-void InstabilityGuard::reset(bool doubtful) noexcept {
+void InstabilityGuard::takeNew(bool doubtful) noexcept {
   parameters_.doubtful = doubtful;
   touches_.forget();
-  unstable_ = false;
   share_ = 1;
 }
 

@@ -7,7 +7,8 @@
 // Then the guard raises kUnstable. That fades the force, and hand and device damp the tool. The force stays away until
 // the tool has been away from the surface for `away_s`. It comes back with `softer` times the stiffness and damping of
 // before: every force of the algorithm is multiplied by that. A wall that is soft enough is stable in any hand, so
-// after a few rounds the contact is quiet. New settings start with the whole force.
+// after a few rounds the contact is quiet. New settings have the whole force again: at once where the tool is away,
+// else as what an edit adds (ServoLoop::takeChangesFrom()).
 //
 // How soon: a tick after the 20th swing (SwingWatch::kSwings) has ended. Swings are at least as fast as
 // SwingWatch::kHand_hz, so that is at most 20 / (2 * 12 Hz) * rate + 1 ticks, 834 at 1 kHz; 101 for a contact that
@@ -46,8 +47,9 @@ class InstabilityGuard {
   // What the algorithm's force is multiplied by [-].
   [[nodiscard]] double share() const noexcept { return share_; }
 
-  // For new settings: the whole force again.
-  void reset(bool doubtful) noexcept;
+  // A new algorithm: its whole force. Its share begins at 1; who makes the change lets it come in. A force that is kept
+  // away stays so until the tool has been away: the hand may have sunk deep into the surface.
+  void takeNew(bool doubtful) noexcept;
 
  private:
   InstabilityParameters parameters_;

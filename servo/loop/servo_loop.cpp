@@ -111,7 +111,9 @@ ServoLoop::ServoLoop(const LoopParameters& parameters, Algorithm& algorithm, Dev
       position_waits_s_(device.limits().sets_pace ? parameters.safety.report_timeout_s : 0),
       begins_(device.limits().is_held),
       most_force_N_(mostForce(device)),
-      change_ticks_(std::max<std::int64_t>(1, std::llround(kChangeOver_s * parameters.rate_hz))) {
+      ticks_to_grow_(std::llround(EditEase(parameters.rate_hz).ticks())),
+      ticks_to_fall_(std::max<std::int64_t>(1, std::llround(kChangeOver_s * parameters.rate_hz))),
+      next_engine_(parameters.rate_hz) {
   if (!device_.read(hip_W_) || !hip_W_.allFinite()) {
     throw Error(Error::Code::kDevice, std::string(device_.name()), "gives no position", "check its cable and power");
   }
@@ -257,9 +259,8 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   }
   if (gate_.isStall(gap_ns)) device_.beginAnew();
   if (device_.refusedCalibration() != CalibrationRefusal::kNone) faults |= bit(ServoFault::kCalibrationRefused);
-  const double share = guard_.share();
-  Vec3 pushed_W = share * out.force_W;
-  double stored_J = share * out.stored_J;
+  Vec3 pushed_W = out.force_W;
+  double stored_J = out.stored_J;
   if (const DeviceBoundary edge = device_.boundary(); edge.stored_J > 0) {
     pushed_W += edge.force_W;
     stored_J += edge.stored_J;
@@ -319,16 +320,38 @@ ServoLink* ServoLoop::lookForLink() noexcept {
   return nullptr;
 }
 
+void ServoLoop::NextEngine::begin(double shown_N, std::int64_t wait_ticks) noexcept {
+  ease_.end();
+  shown_N_ = shown_N;
+  wait_ticks_ = wait_ticks;
+}
+
+void ServoLoop::NextEngine::ease(TickOutput& out) noexcept {
+  const double whole_N = out.force_W.stableNorm();
+  if (const double shown_N = std::exchange(shown_N_, -1); shown_N >= 0) ease_.take(shown_N, whole_N);
+  if (!ease_.active()) return;
+  if (wait_ticks_ > 0 && whole_N > 0) {
+    --wait_ticks_;
+  } else {
+    ease_.elapse(whole_N);
+  }
+  if (!(whole_N > 0)) return;
+  const double share = std::max(0.0, 1 - ease_.amount() / whole_N);
+  out.force_W *= share;
+  out.stored_J *= share;
+}
+
 // Nothing of the old windows is used any more. Their age means nothing for the new ones.
 void ServoLoop::goOver(ServoLink& link) noexcept {
   const Vec3 free_W = freePlace(windows_->latest());
+  const bool faded = (newest_faults_.load(std::memory_order_relaxed) & kFadingFaults) != 0;
+  next_engine_.begin(faded ? 0 : last_.force_W.stableNorm(), faded ? gate_.fadeTicks() : 0);
   windows_ = link.windows;
   tool_ = link.tool;
   live_ = link.ticks;
   window_clock_ = WindowClock(nanoseconds(parameters_.safety.stall_s));
-  guard_.reset(link.doubtful);
+  guard_.takeNew(link.doubtful);
   gate_.setForceLimit(std::min(link.force_limit_N, most_force_N_));
-  gate_.letGo();
   algorithm_ = link.algorithm.get();
   std::swap(given_algorithm_, link.algorithm);
   algorithm_->resume(free_W, hip_W_);
@@ -342,8 +365,11 @@ void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   if (change_ == nullptr) return;
   change_tick_ = 0;
   limit_from_N_ = gate_.forceLimit();
+  change_ticks_ = 0;
   if (!change_->algorithm) return;
-  guard_.reset(change_->doubtful);
+  change_ticks_ = ticks_to_grow_;
+  leaving_share_ = guard_.share();
+  guard_.takeNew(change_->doubtful);
   const Vec3 free_W = freePlace(window);
   leaving_ = algorithm_;
   algorithm_ = change_->algorithm.get();
@@ -351,22 +377,42 @@ void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   algorithm_->resume(free_W, hip_W_);
 }
 
-// While a change is under way the force goes over from the algorithm that leaves to the new one.
+// The algorithm's force, times the share that the guard leaves of it.
 void ServoLoop::tickAlgorithm(const TickInput& in, TickOutput& out) noexcept {
   algorithm_->tick(in, out);
-  if (change_ == nullptr) return;
-  const double share = static_cast<double>(++change_tick_) / static_cast<double>(change_ticks_);
+  out.force_W *= guard_.share();
+  out.stored_J *= guard_.share();
+  if (change_ != nullptr) goOn(in, out);
+  next_engine_.ease(out);
+}
+
+// A change that is under way: the force goes over from the algorithm that leaves, with its share, to the new one.
+void ServoLoop::goOn(const TickInput& in, TickOutput& out) noexcept {
+  ++change_tick_;
   if (leaving_ != nullptr) {
     TickOutput left;
     leaving_->tick(in, left);
-    out.force_W = (1 - share) * left.force_W + share * out.force_W;
-    out.stored_J = (1 - share) * left.stored_J + share * out.stored_J;
+    left.force_W *= leaving_share_;
+    left.stored_J *= leaving_share_;
+    const double left_N = left.force_W.stableNorm();
+    if (change_tick_ == 1 && leaving_share_ == 1 && left_N > 0 && out.force_W.stableNorm() <= left_N)
+      change_ticks_ = ticks_to_fall_;
+    const double over = goneOver(change_ticks_);
+    out.force_W = (1 - over) * left.force_W + over * out.force_W;
+    out.stored_J = (1 - over) * left.stored_J + over * out.stored_J;
   }
+  std::int64_t limit_ticks = 0;
   if (change_->force_limit_N) {
     const double limit_N = std::min(*change_->force_limit_N, most_force_N_);
-    gate_.setForceLimit(limit_from_N_ + share * (limit_N - limit_from_N_));
+    limit_ticks = limit_N > limit_from_N_ ? ticks_to_grow_ : ticks_to_fall_;
+    gate_.setForceLimit(limit_from_N_ + goneOver(limit_ticks) * (limit_N - limit_from_N_));
   }
-  if (change_tick_ == change_ticks_) endChange();
+  if (change_tick_ >= std::max(change_ticks_, limit_ticks)) endChange();
+}
+
+// How much of a change that takes so many ticks has come.
+double ServoLoop::goneOver(std::int64_t ticks) const noexcept {
+  return std::min(1.0, static_cast<double>(change_tick_) / static_cast<double>(ticks));
 }
 
 void ServoLoop::endChange() noexcept {

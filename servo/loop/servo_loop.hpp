@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "servo/algorithms/algorithm.hpp"
+#include "servo/algorithms/edit_ease.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/loop/instability_guard.hpp"
 #include "servo/loop/live_ticks.hpp"
@@ -78,14 +79,18 @@ class ServoLoop {
   ~ServoLoop();  // stops and joins a running thread
 
   // Set before a run: where changes come from, and who else sees each tick. Both must outlive the loop. A change is
-  // made between two ticks. A new algorithm takes over a contact where it is (Algorithm::resume()). For kChangeOver_s
-  // both algorithms run, while the force goes over from the old one's to the new one's. A new force limit is reached
-  // over the same time; it stays within the device's own. While a contact is only remembered (TickOutput::at_surface
-  // without contact), changes wait.
+  // made between two ticks. A new algorithm takes over a contact where it is (Algorithm::resume()). For a while both
+  // algorithms run, and the force goes over from the old one's to the new one's, evenly. That takes kChangeOver_s where
+  // there is a force that does not grow, and else as long as an edit takes to come in (EditEase::kTime_s). After an
+  // unstable contact it always takes as long; the old algorithm keeps the share that was left of its force. A
+  // new force limit is reached in the same times; it stays within the device's own. While a contact is only remembered
+  // (TickOutput::at_surface without contact), changes wait.
   static constexpr double kChangeOver_s = 0.1;  // [s]
   void takeChangesFrom(ServoChanges& changes) noexcept { changes_ = &changes; }
   void tellTicksTo(LiveTicks& live) noexcept { live_ = &live; }
-  // Set before a run: where another engine's windows come from. A change that is under way is completed first.
+  // Set before a run: where another engine's windows come from. A change that is under way is completed first. What the
+  // new engine's windows add to the force comes in as what an edit adds. If the force had faded, it begins at zero,
+  // once the gate lets the whole through.
   void takeLinksFrom(ServoLinks& links) noexcept { links_ = &links; }
 
   // Simulated clock: the whole run, in the caller's thread. `before_tick` is called before each tick with its number
@@ -119,6 +124,19 @@ class ServoLoop {
     std::int64_t lateness_ns = 0;
     int elapsed_ticks = 0;  // since the last tick that ran; 0 before the first
   };
+  // What the force of a tick grew by when the servo went over to another engine: taken in as an edit is.
+  class NextEngine {
+   public:
+    explicit NextEngine(double rate_hz) noexcept : ease_(rate_hz) {}
+    // `shown_N`: the force until now; `wait_ticks`: of contact, until the easing begins.
+    void begin(double shown_N, std::int64_t wait_ticks) noexcept;
+    void ease(TickOutput& out) noexcept;
+
+   private:
+    EditEase ease_;        // of the force's size [N]
+    double shown_N_ = -1;  // before the first tick after begin(); else below 0
+    std::int64_t wait_ticks_ = 0;
+  };
   [[nodiscard]] std::int64_t offset_ns(std::int64_t tick) const noexcept;  // of a tick, from the start [ns]
   [[nodiscard]] std::int64_t firstTickFrom(std::int64_t tick, std::int64_t time_ns) const noexcept;
   [[nodiscard]] bool wanted(std::int64_t tick) const noexcept;
@@ -129,6 +147,8 @@ class ServoLoop {
   void goOver(ServoLink& link) noexcept;
   [[nodiscard]] Vec3 freePlace(const SampleWindow& window) const noexcept;
   void tickAlgorithm(const TickInput& in, TickOutput& out) noexcept;
+  void goOn(const TickInput& in, TickOutput& out) noexcept;
+  [[nodiscard]] double goneOver(std::int64_t ticks) const noexcept;
   void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool believes(const Vec3& read_W) noexcept;
@@ -170,8 +190,12 @@ class ServoLoop {
   std::unique_ptr<Algorithm> given_algorithm_;  // owns algorithm_, if that came with a change
   double most_force_N_;                         // the device's own limit [N]
   double limit_from_N_ = 0;
-  std::int64_t change_tick_ = 0;  // ticks of the change that have run
-  std::int64_t change_ticks_;     // kChangeOver_s in ticks
+  double leaving_share_ = 1;          // of its force, as the guard left it
+  std::int64_t change_tick_ = 0;      // ticks of the change that have run
+  std::int64_t change_ticks_ = 0;     // that the force takes to go over
+  const std::int64_t ticks_to_grow_;  // EditEase::kTime_s in ticks
+  const std::int64_t ticks_to_fall_;  // kChangeOver_s in ticks
+  NextEngine next_engine_;
   std::int64_t ticks_run_ = 0;
   std::int64_t ticks_skipped_ = 0;
   std::int64_t first_due_ns_ = 0;

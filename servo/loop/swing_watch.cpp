@@ -59,6 +59,12 @@ bool SwingWatch::add(const TickRecord& now) noexcept {
   return follow({now.time_s, height_m, now.energy_J, path_m_, asked_m_, bounces_});
 }
 
+double SwingWatch::leastFelt(double hz) noexcept {
+  constexpr double kBend_hz = 40, kBend_m = 10e-6, kBest_hz = 250;
+  const double at = std::min(hz, kBest_hz) / kBend_hz;
+  return 2 * kBend_m / (at < 1 ? std::sqrt(at) : at * at);
+}
+
 // The change of the effects' height since the last tick in contact, without the part that is in proportion to the
 // depth.
 double SwingWatch::effectMotion(const TickRecord& now) const noexcept {
@@ -136,12 +142,15 @@ bool SwingWatch::judge() noexcept {
   constexpr int kPeriods = kSwings / 2;
   const double hz = kPeriods / (end.time_s - begin.time_s);
   const bool sustained = usualSwings(kSwings / 2) >= kSustained * usualSwings(0);
-  const double unasked_m = (first_m + last_m) / kUnasked;
-  const bool unasked = unasked_m > end.asked_m - begin.asked_m && (path_ != nullptr || (hz > kHand_hz && keepsUp()));
-  const bool bounced = end.bounces - begin.bounces >= kPeriods && unasked_m > end.path_m - begin.path_m;
+  const double swings_m = first_m + last_m, path_m = end.path_m - begin.path_m;
+  const double surface_m = end.asked_m - begin.asked_m - path_m;
+  const bool unasked =
+      swings_m > kUnasked * path_m + kAnswered * surface_m && (path_ != nullptr || (hz > kHand_hz && keepsUp()));
+  const bool bounced = end.bounces - begin.bounces >= kPeriods && swings_m > kUnasked * path_m;
   const bool fed = end.energy_J < begin.energy_J - Passivity::kRounding_J;
-  if (!sustained || !(unasked || bounced) || !fed) return false;
-  unstable_ = {begin.time_s, end.time_s, (first_m + last_m) / kSwings, hz};
+  const bool felt = last_m / kPeriods >= leastFelt(hz);
+  if (!sustained || !(unasked || bounced) || !fed || !felt) return false;
+  unstable_ = {begin.time_s, end.time_s, swings_m / kSwings, hz};
   return true;
 }
 

@@ -7,9 +7,13 @@
 // is true of kSwings successive swings:
 // - They do not die away: the second half, without its largest, is at least kSustained of the first half, without its
 //   largest. At kSwings = 20 a swing that loses 5.6 % a period, a damping ratio of 0.009, is on the border.
+// - A finger feels them: the second half's mean height is at least leastFelt() at their frequency. Swings that grow are
+//   felt in time.
 // - Neither the hand nor the surface asks for them. The heights of the swings add up to more than kUnasked times the
-//   sum of three motions along the normal in the same time: that of the hand's path, that of the surface, and that of
-//   what effects add to it. So a path that taps, a texture and a noisy surface do not count, unless the contact answers
+//   motion of the hand's path along the normal in the same time, and kAnswered times that of the surface and of what
+//   effects add to it. A wall that may be given to a hand answers a surface that goes up and down, as voxels do under a
+//   slide, with up to pi / -ln(0.9) = 29.8 times its motion (settlesSoon() in servo/stability/sampled_loop.hpp); the
+//   rest is for encoders. So a path that taps, a texture and a noisy surface do not count, unless the contact answers
 //   with a resonance of more than that. What an effect adds in proportion to the depth is stiffness and asks for
 //   nothing. If the path is unknown, swings count only if they are faster than kHand_hz, since a hand can make slower
 //   ones, if none takes longer than a period of kHand_hz, and if none is less than kKept of the one before it in the
@@ -42,9 +46,16 @@ class SwingWatch {
   static constexpr double kLeastSwing_steps = 2.5;
   static constexpr double kSustained = 0.75;
   static constexpr double kUnasked = 10;
+  static constexpr double kAnswered = 40;
   static constexpr double kHand_hz = 12;
   static constexpr double kKept = 0.7;
   static constexpr double kLongestFlight_s = 0.5;
+
+  // The smallest swing, from one turn to the next, that a finger feels [m]: twice the amplitude at the threshold. That
+  // is 20 um at 10 Hz, 10 um at 40 Hz and 0.26 um at 250 Hz, where fingers feel best; a line between them in
+  // logarithms. Verrillo (1963) and Bolanowski et al. (1988) measured such thresholds on the hand's skin; they differ
+  // by people and by the area that is touched, several times.
+  [[nodiscard]] static double leastFelt(double hz) noexcept;
 
   // `resolution_m`: of the device's encoders [m]. `path`: where the hand wanted the tool, outlives the watch; null:
   // unknown.

@@ -95,7 +95,7 @@ GateOutput SafetyGate::pass(const GateInput& in) noexcept {
 
 void SafetyGate::beginAnew() noexcept {
   started_ticks_ = 0;
-  letGo();
+  lets_go_ = true;
 }
 
 std::int64_t SafetyGate::releaseTicks() const noexcept {

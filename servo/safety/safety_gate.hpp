@@ -12,8 +12,7 @@
 //
 // Starts. The authority of a device that a person holds begins at zero, and grows to the whole over start_s of healthy
 // ticks: nobody knows where the hand is, and how firmly it holds. beginAnew() begins that again, where the tool or the
-// device begins anew elsewhere. letGo() only lets the force come back from zero, within fade_s. Both first let what is
-// held fade, as a fault does.
+// device begins anew elsewhere. First it lets what is held fade, as a fault does.
 //
 // Ends. A run's end lets the force fade as a fault does: release().
 //
@@ -88,8 +87,6 @@ class SafetyGate {
   // From the next pass() on. The tool or the device begins anew at another place: what is held fades, and what comes
   // back does so as at the start.
   void beginAnew() noexcept;
-  // What is held fades, and what comes back begins at zero.
-  void letGo() noexcept { lets_go_ = true; }
 
   // For the end of a run: the next force of a fade, whose direction stays. Offer it once per tick until the device
   // takes zero. It lasts fade_s, or as long as the slew limit asks for the force that is held. After a gap that is a

@@ -92,15 +92,81 @@ Eigen::MatrixXd transitionMatrix(const SampledLoop& loop, const Wall& wall) {
   return system;
 }
 
+namespace {
+
 // In SI units a force may be 1e8 times a position, and rounding would move eigenvalues by as much as matters here. So
 // the state is scaled to lengths: the way in a tick at a velocity, and the way that a force moves the mass in a tick.
-std::complex<double> greatestEigenvalue(const SampledLoop& loop, const Wall& wall) {
+Eigen::VectorXcd eigenvalues(const SampledLoop& loop, const Wall& wall) {
   const double tick_s = 1 / loop.rate_hz, mass_kg = loop.hand.hand_mass_kg + loop.hand.device_mass_kg;
   Eigen::MatrixXd system = transitionMatrix(loop, wall);
   Eigen::VectorXd to_lengths = Eigen::VectorXd::Constant(system.rows(), tick_s * tick_s / mass_kg);
   to_lengths.head<kFirstForce>() << 1, tick_s, tick_s, 1;
   system = to_lengths.asDiagonal() * system * to_lengths.cwiseInverse().asDiagonal();
-  const Eigen::VectorXcd values = system.eigenvalues();
+  return system.eigenvalues();
+}
+
+// f and its derivative, at z = 1 + zeta.
+struct Slope {
+  std::complex<double> value, derivative;
+};
+
+Slope slopeOf(const std::vector<LoopFactor>& factors, const std::complex<double>& zeta) {
+  Slope all{1, 0};
+  for (const LoopFactor& f : factors) {
+    const std::complex<double> value = f.constant + zeta * (f.linear + zeta * f.square);
+    all.derivative = all.derivative * value + all.value * (f.linear + 2.0 * f.square * zeta);
+    all.value *= value;
+  }
+  return all;
+}
+
+// Newton's steps on the characteristic equation, whose form in z - 1 does not cancel where slow modes are.
+std::complex<double> polished(const LateFeedback& loop, std::complex<double> z) {
+  constexpr int kSteps = 3;
+  for (int i = 0; i < kSteps; ++i) {
+    const Slope open = slopeOf(loop.open, z - 1.0), feedback = slopeOf(loop.feedback, z - 1.0);
+    const std::complex<double> late = std::pow(z, loop.delay_ticks);
+    const double d = loop.delay_ticks;
+    const std::complex<double> value = late * open.value + feedback.value;
+    const std::complex<double> slope = late * (open.derivative + d * open.value / z) + feedback.derivative;
+    const std::complex<double> step = value / slope;
+    if (!(std::abs(step) < 1e-3)) break;  // not the root that was meant, or several together
+    z -= step;
+  }
+  return z;
+}
+
+// What the modes must lose, as the logarithm of what is left: in a period, and in a second.
+struct Loss {
+  double a_period = -std::log1p(-kLossAPeriod), a_second = std::log(10.0) / kLongestRing_s;
+};
+
+Loss lossOf(const HandParameters& hand) {
+  const double mass_kg = hand.hand_mass_kg + hand.device_mass_kg;
+  const double own = (hand.hand_damping_Ns_per_m + hand.device_damping_Ns_per_m) / (2 * mass_kg);  // [1/s]
+  const double turns_squared = hand.hand_stiffness_N_per_m / mass_kg - own * own;
+  Loss loss;
+  loss.a_second = std::min(loss.a_second, own / 2);
+  if (turns_squared > 0) loss.a_period = std::min(loss.a_period, M_PI * own / std::sqrt(turns_squared));
+  return loss;
+}
+
+bool losesEnough(const std::complex<double>& z, const SampledLoop& loop, const Loss& least) {
+  constexpr double kGone = 0.05;     // of such a mode nothing is left after three ticks
+  constexpr double kNoSwing = 1e-9;  // [rad a tick]
+  const double size = std::abs(z), turn = std::abs(std::arg(z));
+  if (size < kGone) return true;
+  const double lost = -std::log(size);  // in a tick
+  if (turn < kNoSwing) return lost > 0;
+  const double round = loop.delay_ticks + 1;
+  return lost * std::max(2 * M_PI / turn, round) >= least.a_period &&
+         lost * std::max(loop.rate_hz, round / kLongestRing_s) >= least.a_second;
+}
+
+}  // namespace
+
+std::complex<double> greatestEigenvalue(const SampledLoop& loop, const Wall& wall) {
+  const Eigen::VectorXcd values = eigenvalues(loop, wall);
   return *std::max_element(values.begin(), values.end(),
                            [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); });
 }
@@ -113,6 +179,36 @@ double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m, double p
   return lastOfRun(kSoftest_N_per_m, kStiffest_N_per_m, precision, [&](double stiffness) {
     return isStable(loop, {stiffness, damping_Ns_per_m});
   });
+}
+
+bool settlesSoon(const SampledLoop& loop, const Wall& wall) {
+  if (loop.delay_ticks > kMostExactDelay)
+    return isStable(loop, {3 * wall.stiffness_N_per_m, 3 * wall.damping_Ns_per_m}) && isStable(loop, wall);
+  const LateFeedback form = characteristic(loop, wall);
+  if (!allInside(form)) return false;
+  const Loss least = lossOf(loop.hand);
+  const Eigen::VectorXcd values = eigenvalues(loop, wall);
+  return std::all_of(values.begin(), values.end(), [&](const std::complex<double>& z) {
+    return losesEnough(std::abs(z) > 0.5 ? polished(form, z) : z, loop, least);
+  });
+}
+
+double settlingStiffness(const SampledLoop& loop, double damping_Ns_per_m, double precision) {
+  static const double kStep = std::pow(10.0, 1.0 / 16);
+  const auto settles = [&](double stiffness) { return settlesSoon(loop, {stiffness, damping_Ns_per_m}); };
+  double bad = stiffnessBound(loop, damping_Ns_per_m, precision);
+  if (bad == 0 || settles(bad)) return bad;
+  double good = bad / kStep;
+  while (!settles(good)) {
+    if (good < kSoftest_N_per_m) return 0;
+    bad = good;
+    good /= kStep;
+  }
+  while (bad > good * (1 + precision)) {
+    const double middle = std::sqrt(good * bad);
+    (settles(middle) ? good : bad) = middle;
+  }
+  return good;
 }
 
 double dampingBound(const SampledLoop& loop, double stiffness_N_per_m, double precision) {
@@ -130,14 +226,27 @@ int delayBound(const SampledLoop& loop, const Wall& wall, int most) {
   return most;
 }
 
+namespace {
+
 // A longer tick is never better: searched from the shortest one on.
-double rateBound(const SampledLoop& loop, const Wall& wall, double precision) {
+double leastRate(const SampledLoop& loop, const Wall& wall, double precision,
+                 bool (*holds)(const SampledLoop& loop, const Wall& wall)) {
   SampledLoop other = loop;
   const double longest_s = lastOfRun(1 / kHighestRate_hz, 1.0, precision, [&](double tick_s) {
     other.rate_hz = 1 / tick_s;
-    return isStable(other, wall);
+    return holds(other, wall);
   });
   return longest_s > 0 ? 1 / longest_s : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+double rateBound(const SampledLoop& loop, const Wall& wall, double precision) {
+  return leastRate(loop, wall, precision, isStable);
+}
+
+double settlingRate(const SampledLoop& loop, const Wall& wall, double precision) {
+  return leastRate(loop, wall, precision, settlesSoon);
 }
 
 }  // namespace palpate

@@ -14,7 +14,8 @@
 // What the model leaves out: encoders that round, Coulomb friction, limits of the force, and leaving the surface.
 // Units: SI. Thread: any. The functions allocate. Cost: isStable() counts the eigenvalues inside without computing them
 // (late_feedback.hpp), in some microseconds whatever d is; a bound asks it some hundred times. greatestEigenvalue() is
-// an eigenvalue problem of order 4 + d: some 10 us for d = 0, seconds for d = 1000.
+// an eigenvalue problem of order 4 + d: some 10 us for d = 0, seconds for d = 1000. settlesSoon() is one of order 20 at
+// most.
 #pragma once
 
 #include <complex>
@@ -55,6 +56,27 @@ inline constexpr double kBoundPrecision = 1e-3;
 [[nodiscard]] double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m,
                                     double precision = kBoundPrecision);
 
+// Whether the contact comes to rest soon: this, not stability alone, is what a wall must have to be given to a hand. A
+// swing near the border of stability goes on for seconds, and what the model leaves out may feed it. Every mode that
+// swings loses
+// - kLossAPeriod of itself in each period, or in each round of a delay that is longer. A surface that moves by a is
+// then
+//   answered by swings of at most Q a, with Q = pi / -ln(1 - kLossAPeriod) = 29.8. SwingWatch takes swings of more than
+//   kAnswered = 40 times what asked for them, and swings that lose less than 5.6 % a period, for unstable;
+// - nine tenths of itself within kLongestRing_s, however slow it is.
+// No more is asked than half of the loss of hand and device without a wall, in a period and in a second: a wall cannot
+// damp what they do not. With a delay of more than kMostExactDelay ticks a wall settles if one that is three times as
+// stiff and damped is stable: its modes are as many as the delay has ticks.
+inline constexpr double kLossAPeriod = 0.1;
+inline constexpr double kLongestRing_s = 2;
+inline constexpr int kMostExactDelay = 16;
+[[nodiscard]] bool settlesSoon(const SampledLoop& loop, const Wall& wall);
+
+// The stiffness up to which walls of damping B settle soon [N/m]; 0 if the softest one does not. At most
+// stiffnessBound(), from which it is searched downwards.
+[[nodiscard]] double settlingStiffness(const SampledLoop& loop, double damping_Ns_per_m,
+                                       double precision = kBoundPrecision);
+
 // The damping up to which every wall of stiffness K is stable [N s/m], in the same way from kLeastDamping_Ns_per_m to
 // kMostDamping_Ns_per_m. If K is unstable without damping, the range begins where damping makes it stable; 0 if none
 // does.
@@ -69,5 +91,7 @@ inline constexpr double kMostDamping_Ns_per_m = 1e5;
 // The rate from which on the wall is stable, up to kHighestRate_hz [Hz]; infinity if it is unstable at that rate.
 inline constexpr double kHighestRate_hz = 20000;
 [[nodiscard]] double rateBound(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
+// The same for a wall that settles soon.
+[[nodiscard]] double settlingRate(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
 
 }  // namespace palpate

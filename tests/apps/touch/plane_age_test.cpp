@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "servo/algorithms/registry.hpp"
 #include "tests/apps/path/analytic_field.hpp"
 #include "tests/servo/loop/wanted_path.hpp"
 #include "tests/servo/support/seeded.hpp"
@@ -30,38 +31,47 @@ WantedPath around(double radius_m, double depth_m, double speed_m_per_s) {
   });
 }
 
-// (v n T)^2 / (2 R). The tool is at R - depth, where the level set has that radius. Normals a voxel h to each side are
-// turned by 2 atan(h / r), so the curvature is that of the chord: short by at most (h / r)^2.
-TEST(PlaneAge, IsTheBendOfTheSurfaceOverAPlanesAge) {
+// What the algorithm says of its planes' age where the tool is: at R - depth, where the level set has that radius.
+// Normals a voxel h to each side are turned by 2 atan(h / r), so the curvature is that of the chord: short by at most
+// (h / r)^2. The depth is that along the normal, exact in a field of distances.
+TEST(PlaneAge, IsWhatTheAlgorithmSaysOfTheSurfaceUnderThePath) {
   Seeded random(41);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 12; ++i) {
     const double radius_m = random.logBetween(5e-3, 50e-3), depth_m = 1e-3, speed_m_per_s = random.logBetween(0.01, 1);
     const int n = 1 + random.pick(50);
     const double rate_hz = random.logBetween(500, 5000);
     const AnalyticField ball = ballField(radius_m);
     const double h = ball.lattice().smallestSpacing(), r = radius_m - depth_m;
-    const double way_m = speed_m_per_s * n / rate_hz;
     // The speed is measured over two ticks of the path, as a chord: short by (v T / r)^2 / 6.
     const double bend = speed_m_per_s / rate_hz / r;
-    EXPECT_NEAR(planeAgeError(around(radius_m, depth_m, speed_m_per_s), ball, n, rate_hz) / (way_m * way_m / (2 * r)),
-                1, h * h / (r * r) + bend * bend)
-        << i;
+    for (const char* name : {"hri", "hri-paper", "blezek"}) {
+      const double exact_m = algorithmEntry(name).plane_age_error({.speed_m_per_s = speed_m_per_s,
+                                                                   .rate_hz = rate_hz,
+                                                                   .n = n,
+                                                                   .curvature_per_m = 1 / r,
+                                                                   .depth_m = depth_m,
+                                                                   .voxel_m = h});
+      EXPECT_NEAR(planeAgeError(around(radius_m, depth_m, speed_m_per_s), ball, name, n, rate_hz), exact_m,
+                  exact_m * (h * h / (r * r) + bend * bend))
+          << i << name;
+    }
   }
 }
 
 TEST(PlaneAge, OutsideTheObjectNothingAges) {
-  EXPECT_EQ(planeAgeError(around(10e-3, -2e-3, 0.5), ballField(10e-3), 50, 1000), 0);
+  EXPECT_EQ(planeAgeError(around(10e-3, -2e-3, 0.5), ballField(10e-3), "hri-paper", 50, 1000), 0);
 }
 
 TEST(PlaneAge, IsToldWithTheNThatWouldDo) {
   Scene scene;
+  scene.algorithm = "hri-paper";
   scene.plane_renewal_ticks = 50;
   scene.stiffness_N_per_m = 1000;
   const AnalyticField ball = ballField(20e-3);
   const WantedPath path = around(20e-3, 1e-3, 0.2);
   const auto note = noteOnPlaneAge(scene, path, ball);
   ASSERT_TRUE(note);
-  EXPECT_THAT(*note, HasSubstr("a plane is kept for 50 ticks"));
+  EXPECT_THAT(*note, HasSubstr("a plane is kept for up to 50 ticks"));
   std::smatch found;
   ASSERT_TRUE(std::regex_search(*note, found, std::regex("--n ([0-9]+) keeps")));
   scene.plane_renewal_ticks = std::stoi(found[1]);
@@ -70,6 +80,15 @@ TEST(PlaneAge, IsToldWithTheNThatWouldDo) {
   EXPECT_TRUE(noteOnPlaneAge(scene, path, ball));
   scene.algorithm = "blezek";  // keeps no planes
   EXPECT_FALSE(noteOnPlaneAge(scene, path, ball));
+}
+
+// It renews its planes before they are so wrong that a hand feels it.
+TEST(PlaneAge, OfHriIsNotWarnedAboutAtAnyN) {
+  Scene scene;
+  for (const int n : {50, 1000, 100000}) {
+    scene.plane_renewal_ticks = n;
+    EXPECT_FALSE(noteOnPlaneAge(scene, around(20e-3, 1e-3, 0.2), ballField(20e-3))) << n;
+  }
 }
 
 TEST(PlaneAge, WhereNoNWouldDoTheSpeedIsTold) {

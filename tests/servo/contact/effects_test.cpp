@@ -16,6 +16,7 @@
 #include "servo/contact/stiffness_by_density.hpp"
 #include "servo/contact/texture.hpp"
 #include "support/algorithm_driver.hpp"
+#include "support/seeded.hpp"
 #include "support/tick_watch.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -383,6 +384,48 @@ TEST(Effects, NamesAreThoseOfTheEffectsThatAreMade) {
   p.force_shading = true;
   EXPECT_EQ(contactEffectNames(p), "force shading, recovery time, texture, friction, stiffness by density");
   EXPECT_EQ(makeContactEffects(p, kStiffness, kRate).size(), 5U);
+}
+
+// The change of the force along the normal with the depth, over K, at random places of a plane: never more than is
+// said, and where the bumps are high nearly so much.
+TEST(Effects, StiffenTheContactByNoMoreThanTheySay) {
+  Seeded random(31);
+  SampleWindow none;
+  for (const double factor : {0.0, 3.0}) {  // of a table; 0: none
+    EffectParameters p{.texture = TextureKind::kProcedural, .texture_amplitude_m = 0.1e-3};
+    if (factor > 0) p.stiffness_by_density = {{0, 0.5}, {1, factor}};
+    const double said = mostStiffening(p);
+    p.stiffness_by_density.clear();  // it reads the volume
+    ContactEffects effects = makeContactEffects(p, kStiffness, kRate);
+    double most = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3 at_W = random.inCube(5e-3);
+      const double depth_m = random.between(1e-6, 0.4e-3), step_m = 1e-8;
+      const auto pushed = [&](double deep_m) {
+        ContactState contact;
+        contact.plane = {Vec3(at_W.x(), at_W.y(), 0), Vec3(0, 0, 1), 0};
+        contact.hip_W = Vec3(at_W.x(), at_W.y(), -deep_m);
+        contact.on_volume = false;
+        contact.window = &none;
+        ContactPush push{.vhip_W = contact.plane.p_W, .energy_m2 = 0.5 * deep_m * deep_m};
+        effects.front()->move(contact, push);
+        return push.vhip_W.z() + deep_m;
+      };
+      most = std::max(most, std::abs(pushed(depth_m + step_m) - pushed(depth_m)) / step_m);
+    }
+    most *= std::max(1.0, factor);
+    EXPECT_LE(most, said);
+    EXPECT_GT(most, 0.75 * said);
+  }
+  EffectParameters p;
+  EXPECT_EQ(mostStiffening(p), 1);
+  p.force_shading = true;
+  EXPECT_DOUBLE_EQ(mostStiffening(p), std::sqrt(2.0));
+  p.stiffness_by_density = {{0, 0.25}, {1, 0.5}};
+  EXPECT_DOUBLE_EQ(mostStiffening(p), 0.5 * std::sqrt(2.0));
+  EXPECT_FALSE(holdAside(p));
+  p.friction.static_ratio = 0.1;
+  EXPECT_TRUE(holdAside(p));
 }
 
 TEST(Effects, TexturesByName) {

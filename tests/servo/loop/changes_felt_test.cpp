@@ -12,26 +12,31 @@
 namespace palpate {
 namespace changes_felt_test {
 
-// K goes from 500 to 1500 N/m on a line over kOver ticks: the contact does not notice, and no tick sees more than its
-// part of the change.
+// K goes from 500 to 1500 N/m on a line over kGrows ticks, and back over kFalls: the contact does not notice, and no
+// tick sees more than its part of the change.
 TEST(ServoLoopChanges, ANewStiffnessComesOverTime) {
   const double depth_m = 1e-3;
   Press press("hri", stiff(500), pressAndHold(depth_m));
   const auto records = press.run([&](std::int64_t tick) {
     if (tick == 400) press.changes.give({.algorithm = press.make("hri", stiff(1500))});
+    if (tick == 920) press.changes.give({.algorithm = press.make("hri", stiff(500))});
   });
   for (std::size_t i = 150; i < records.size(); ++i) {
     ASSERT_TRUE(records[i].in_contact) << i;
     ASSERT_EQ(records[i].faults, 0U) << i;
   }
-  const double before_N = force(records[399]).norm(), after_N = force(records[600]).norm();
+  const double before_N = force(records[399]).norm(), after_N = force(records[910]).norm();
   EXPECT_NEAR(before_N, 0.5, 0.01);
   EXPECT_NEAR(after_N, 1.5, 0.03);
-  for (std::int64_t t = 0; t <= kOver; ++t) {
-    const double share = static_cast<double>(t) / static_cast<double>(kOver);
-    EXPECT_NEAR(force(records[399 + static_cast<std::size_t>(t)]).norm(), before_N + share * (after_N - before_N),
-                0.02);
-  }
+  const auto expectLine = [&](std::size_t from, std::int64_t ticks, double begin_N, double end_N) {
+    for (std::int64_t t = 0; t <= ticks; ++t) {
+      const double share = static_cast<double>(t) / static_cast<double>(ticks);
+      EXPECT_NEAR(force(records[from + static_cast<std::size_t>(t)]).norm(), begin_N + share * (end_N - begin_N), 0.02)
+          << from << "+" << t;
+    }
+  };
+  expectLine(399, kGrows, before_N, after_N);
+  expectLine(919, kFalls, after_N, before_N);
 }
 
 TEST(ServoLoopChanges, NeverAChangeIsARunWithoutThem) {
@@ -126,9 +131,12 @@ TEST(ServoLoopChanges, AnotherForceLimitComesOverTime) {
   EXPECT_NEAR(force(records[299]).norm(), 3, 1e-9);
   EXPECT_NEAR(force(records[450]).norm(), 1, 1e-9);
   EXPECT_NEAR(force(records.back()).norm(), 4, 0.05);  // K depth
-  // From 1 N to the device's 6 N in kOver ticks.
-  for (std::size_t i = 150; i < records.size(); ++i)
-    ASSERT_LE((force(records[i]) - force(records[i - 1])).norm(), 5.0 / kOver + 1e-9) << i;
+  // From 3 to 1 N in kFalls ticks, from 1 N to the device's 6 N in kGrows.
+  for (std::size_t i = 150; i < records.size(); ++i) {
+    const double grown_N = force(records[i]).norm() - force(records[i - 1]).norm();
+    ASSERT_LE(grown_N, 5.0 / kGrows + 1e-9) << i;
+    ASSERT_GE(grown_N, -2.0 / kFalls - 1e-9) << i;
+  }
 }
 
 TEST(ServoLoopChanges, NoForceLimitExceedsTheDevices) {

@@ -10,7 +10,8 @@
 
 namespace palpate {
 
-inline constexpr std::int64_t kOver = 100;  // ServoLoop::kChangeOver_s at 1 kHz [tick]
+inline constexpr std::int64_t kFalls = 100;  // ServoLoop::kChangeOver_s at 1 kHz [tick]
+inline constexpr std::int64_t kGrows = 500;  // EditEase::kTime_s
 inline const Vec3 kCentre = Vec3::Constant(31.3e-3);
 inline constexpr double kRadius_m = 20e-3;
 
@@ -50,6 +51,34 @@ struct Press {
         })
         .records;
   }
+};
+
+// The windows of another engine over the same volume, in memory of its own, and the servo's ends of it.
+struct NextEngine {
+  NextEngine(const TouchScene& scene, std::uint64_t first_version)
+      : volume(scene.volume),
+        storage(scene.storage.capacity()),
+        windows(block, storage.pointers(), storage.capacity(), first_version),
+        servos_windows(block, storage.pointers(), storage.capacity()) {}
+  // False: it has not heard of the tool.
+  bool publish(std::int64_t now_ns) {
+    const ToolPose& at = tool.latest();
+    if (at.tick < 0) return false;
+    const Vec3i count = Vec3i::Constant(32);
+    volume.fill(windows.back(), windows.backSamples(),
+                volume.firstAround(at.at_surface ? at.surface_W : at.position_W, count), count);
+    windows.back().stamp_ns = now_ns;
+    windows.publish();
+    return true;
+  }
+  const AnalyticVolume& volume;
+  WindowStorage storage;
+  WindowBlock block;
+  ToolPoseBlock pose;
+  WindowExchange windows;
+  ToolPoseMailbox tool{pose};
+  WindowExchange servos_windows;
+  ToolPoseMailbox servos_tool{pose};
 };
 
 inline Vec3 force(const TickRecord& r) {

@@ -198,8 +198,9 @@ TEST(InstabilityGuard, DoesNotActOnADeviceThatNoForceMoves) {
   EXPECT_TRUE(std::none_of(rigid.begin(), rigid.end(), isUnstable));
 }
 
-TEST(InstabilityGuard, NewSettingsBeginWithTheWholeForce) {
-  InstabilityGuard guard({.away_s = 0}, {}, 1000);
+// What is kept away stays so until the tool has been away, whatever the settings.
+TEST(InstabilityGuard, NewSettingsHaveTheWholeForceOnceTheToolHasBeenAway) {
+  InstabilityGuard guard({.away_s = 0.01}, {}, 1000);
   TickRecord record;
   for (int i = 0; guard.faults() == 0 && i < 1000; ++i) {
     record.time_s = i * 1e-3;
@@ -214,7 +215,15 @@ TEST(InstabilityGuard, NewSettingsBeginWithTheWholeForce) {
   }
   EXPECT_EQ(guard.faults(), bit(ServoFault::kUnstable));
   EXPECT_EQ(guard.share(), 0.25);
-  guard.reset(false);
+  guard.takeNew(false);
+  EXPECT_EQ(guard.share(), 1);
+  EXPECT_EQ(guard.faults(), bit(ServoFault::kUnstable));
+  record.faults = bit(ServoFault::kUnstable);
+  record.in_contact = true;
+  for (int i = 0; i < 100; ++i) guard.add(record);
+  EXPECT_EQ(guard.faults(), bit(ServoFault::kUnstable));
+  record.in_contact = false;
+  for (int i = 0; i <= 10; ++i) guard.add(record);
   EXPECT_EQ(guard.faults(), 0U);
   EXPECT_EQ(guard.share(), 1);
 }

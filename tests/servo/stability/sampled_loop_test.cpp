@@ -211,6 +211,91 @@ TEST(SampledLoop, BelowItsBoundEveryStiffnessIsStableAndAboveItIsNot) {
   EXPECT_GT(bounded, 120);
 }
 
+// A device of 20 g to 0.5 kg in a hand whose stiffness and damping grow together, as those of typical_hands.hpp do.
+// Without a wall it loses so much of a swing that half of it is what is asked for.
+SampledLoop heldLoop(Dice& dice) {
+  SampledLoop loop;
+  const double damping = dice.decades(1, 20);
+  loop.hand = {.hand_mass_kg = dice.decades(0.03, 0.3),
+               .hand_damping_Ns_per_m = damping,
+               .hand_stiffness_N_per_m = damping * dice.decades(10, 30),
+               .device_mass_kg = dice.decades(0.02, 0.5),
+               .device_damping_Ns_per_m = dice.decades(0.01, 5)};
+  loop.rate_hz = dice.decades(500, 5000);
+  loop.delay_ticks = dice.upTo(8);
+  return loop;
+}
+
+// By the eigenvalues alone.
+TEST(SampledLoop, WhatSettlesSoonLosesSoMuchOfEachSwing) {
+  Dice dice(7);
+  int checked = 0;
+  for (int i = 0; i < 150; ++i) {
+    const SampledLoop loop = heldLoop(dice);
+    const double damping = dice.upTo(2) == 0 ? 0 : dice.between(0, 0.5) * dampingBound(loop, kSoftest_N_per_m);
+    const double most = settlingStiffness(loop, damping);
+    ASSERT_GT(most, 0) << i;
+    ASSERT_LE(most, stiffnessBound(loop, damping)) << i;
+    EXPECT_TRUE(settlesSoon(loop, {0.999 * most, damping})) << i;
+    for (int k = 0; k < 10; ++k) EXPECT_TRUE(settlesSoon(loop, {dice.decades(1, most), damping})) << i;
+    const std::complex<double> z = greatestEigenvalue(loop, {most, damping});
+    const double turn = std::abs(std::arg(z));
+    if (turn < 1e-6) continue;  // the slowest mode does not swing
+    ++checked;
+    const double period = std::max(2 * M_PI / turn, loop.delay_ticks + 1.0);
+    EXPECT_GE(1 - std::pow(std::abs(z), period), 0.999 * kLossAPeriod) << i;
+  }
+  EXPECT_GT(checked, 50);
+}
+
+// By an integrator of its own, with the period that the eigenvalue has: kLossAPeriod is lost in each. Between place and
+// way in a tick lies a factor of period / 2 pi, so the mean growth over 3000 ticks wavers by that much with a swing's
+// phase.
+TEST(SampledLoop, WhatSettlesSoonIsSeenToSettle) {
+  Dice dice(8);
+  int checked = 0;
+  for (int i = 0; i < 60; ++i) {
+    const SampledLoop loop = heldLoop(dice);
+    const double damping = dice.upTo(2) == 0 ? 0 : dice.between(0, 0.5) * dampingBound(loop, kSoftest_N_per_m);
+    const double most = settlingStiffness(loop, damping);
+    const double turn = std::abs(std::arg(greatestEigenvalue(loop, {most, damping})));
+    if (turn < 1e-6) continue;
+    const double period = std::max(2 * M_PI / turn, loop.delay_ticks + 1.0);
+    if (period > 60) continue;
+    ++checked;
+    EXPECT_LE(Played(loop, {most, damping}).growth() * period,
+              std::log(1 - kLossAPeriod) + std::log(period) * period / 3000)
+        << i;
+  }
+  EXPECT_GT(checked, 20);
+}
+
+// The rule for long delays asks for no less than the one by modes.
+TEST(SampledLoop, WithALongDelayTheRuleIsOnTheSafeSide) {
+  Dice dice(9);
+  for (int i = 0; i < 100; ++i) {
+    SampledLoop loop = heldLoop(dice);
+    loop.delay_ticks = kMostExactDelay + 1 + dice.upTo(30);
+    const double most = settlingStiffness(loop, 0);
+    ASSERT_GT(most, 0) << i;
+    const std::complex<double> z = greatestEigenvalue(loop, {most, 0});
+    const double turn = std::abs(std::arg(z));
+    if (turn < 1e-6) continue;
+    const double period = std::max(2 * M_PI / turn, loop.delay_ticks + 1.0);
+    EXPECT_GE(1 - std::pow(std::abs(z), period), kLossAPeriod) << i << " d " << loop.delay_ticks;
+  }
+}
+
+// Ten kilograms in a light hand ring whatever the wall is. No wall is asked to damp them more than half as much as they
+// do by themselves.
+TEST(SampledLoop, AToolThatRingsByItselfHasAWallToo) {
+  SampledLoop loop;
+  loop.hand = {0.05, 1, 100, 10, 0.05};
+  const double most = settlingStiffness(loop, 0);
+  EXPECT_GT(most, 10);
+  EXPECT_LT(most, 0.9 * stiffnessBound(loop, 0));
+}
+
 TEST(SampledLoop, TheBoundsOfDampingDelayAndRateLieOnTheSameBorder) {
   Dice dice(4);
   int damped = 0, delayed = 0, rated = 0;
