@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
