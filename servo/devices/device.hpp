@@ -81,6 +81,9 @@ class Device {
   [[nodiscard]] virtual std::int64_t reportAge_ns() const noexcept { return 0; }
   // Whether its handle's switch is pressed; servo thread, after read().
   [[nodiscard]] virtual bool pressed() const noexcept { return false; }
+  // Whether the tool has been put elsewhere since the last call: it did not go there, so whatever lies between is not
+  // felt, and everything begins anew. Servo thread, after read().
+  [[nodiscard]] virtual bool leapt() noexcept { return false; }
   // The force with which the end of its workspace pushes the handle back, at the position that the last read() gave.
   // The servo adds it to the contact's, in front of the safety gate.
   [[nodiscard]] virtual DeviceBoundary boundary() const noexcept { return {}; }

@@ -256,11 +256,17 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
-  tool_->back() = {hip_W_,           velocity_.value(),
-                   due.tick,         now_ns,
-                   last_.at_surface, last_.surface_W,
-                   out.normal_W,     held_W,
-                   window.version,   gated.faults | carried_faults_ | std::exchange(overrun_, 0U)};
+  tool_->back() = {hip_W_,
+                   velocity_.value(),
+                   due.tick,
+                   now_ns,
+                   last_.at_surface,
+                   last_.surface_W,
+                   out.normal_W,
+                   held_W,
+                   window.version,
+                   gated.faults | carried_faults_ | std::exchange(overrun_, 0U),
+                   leaps_};
   if (link != nullptr) link->tool->back() = tool_->back();
   tool_->publish();
   if (link != nullptr) {
@@ -363,6 +369,11 @@ void ServoLoop::endChange() noexcept {
 // Whether the tool can be there. A place that no motion explains is believed when the next reading lies near it: then
 // the device counts from elsewhere, and everything begins anew there. Otherwise it was a wrong reading.
 bool ServoLoop::believes(const Vec3& read_W) noexcept {
+  if (device_.leapt()) {
+    leapt_ = false;
+    beginAnew(read_W);
+    return true;
+  }
   const double way_m = (read_W - hip_W_).stableNorm();
   const double longest_m = kFastest_m_per_s * std::max(1, ticks_since_report_) / parameters_.rate_hz;
   if (way_m <= longest_m) {
@@ -373,11 +384,17 @@ bool ServoLoop::believes(const Vec3& read_W) noexcept {
   leapt_ = !again;
   leap_W_ = read_W;
   if (!again) return false;
+  beginAnew(read_W);
+  return true;
+}
+
+// The tool is at `read_W`, and did not come there by a way that it can feel.
+void ServoLoop::beginAnew(const Vec3& read_W) noexcept {
   algorithm_->resume(read_W, read_W);
   if (leaving_ != nullptr) leaving_->resume(read_W, read_W);
   velocity_.reset(read_W);
   passivity_.reset(read_W);
-  return true;
+  ++leaps_;
 }
 
 // Reads where the tool is. Only a report that was not read before updates velocity and energy. False: no answer that

@@ -134,6 +134,7 @@ class ServoLoop {
   void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool believes(const Vec3& read_W) noexcept;
+  void beginAnew(const Vec3& read_W) noexcept;
   [[nodiscard]] bool readDevice(int elapsed_ticks, std::int64_t gap_ns, std::int64_t& report_age_ns) noexcept;
   [[nodiscard]] bool offer(const Vec3& force_W) noexcept;
   template <typename Pause>
@@ -154,6 +155,7 @@ class ServoLoop {
   Vec3 hip_W_ = Vec3::Zero();   // last position that could be read [m]
   Vec3 leap_W_ = Vec3::Zero();  // the last reading, if no motion explains it
   bool leapt_ = false;
+  std::uint32_t leaps_ = 0;  // that were believed
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
