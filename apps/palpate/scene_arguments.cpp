@@ -5,6 +5,7 @@
 
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
+#include "apps/scene/scene_command.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
