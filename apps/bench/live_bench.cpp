@@ -134,7 +134,7 @@ class Watched {
   void drill(const std::vector<Vec3>& places_W, double seconds, double turn_rad_s) {
     const Vec3 inward_W = view_.camera().forward_W;
     turns_ = turn_rad_s != 0;
-    session_.aim(places_W.front() - 5e-3 * inward_W);
+    session_.aim(Vec3(places_W.front() - 5e-3 * inward_W));
     wait(1);
     session_.takeTicks(ticks_);
     ticks_.clear();
@@ -145,7 +145,7 @@ class Watched {
     while (watch.seconds() < seconds) {
       const double now_s = watch.seconds();
       const double way = now_s / kRound_s * static_cast<double>(places_W.size());
-      session_.aim(places_W[static_cast<std::size_t>(way) % places_W.size()] + 1e-3 * inward_W);
+      session_.aim(Vec3(places_W[static_cast<std::size_t>(way) % places_W.size()] + 1e-3 * inward_W));
       if (turn_rad_s != 0 && now_s - asked_s >= kAsked_s) {
         view_.orbit(turn_rad_s * (now_s - asked_s) / std::numbers::pi * request_.height, 0);
         show();
@@ -165,7 +165,7 @@ class Watched {
     }
     pictures_ = pictures;
     session_.release();
-    session_.aim(places_W.front() - 5e-3 * inward_W);
+    session_.aim(Vec3(places_W.front() - 5e-3 * inward_W));
     if (turn_rad_s != 0) {
       view_.orbit(1, 0);
       show();
@@ -230,7 +230,7 @@ class Watched {
   }
   void show() {
     DrawStyle style;
-    style.occlusion = true;
+    style.occlusion = true;  // the dearest look that a person may choose
     session_.view().show({view_.camera(), style, DrawOrder::kCoarseFirst});
   }
 

@@ -21,7 +21,8 @@ namespace {
 constexpr double kPanelWidth = 460, kPanelHeight = 380;
 constexpr double kLeft = 78, kRight = 16, kTop = 30, kBottom = 46;
 constexpr double kTitle = 30, kLegendLine = 22;
-constexpr double kInnerWidth = kPanelWidth - kLeft - kRight, kInnerHeight = kPanelHeight - kTop - kBottom;
+constexpr double kInnerHeight = kPanelHeight - kTop - kBottom;
+constexpr double kFontSize = 12;
 
 // Okabe and Ito's colours, which people with any colour vision can tell apart, without the yellow.
 constexpr std::array<const char*, 7> kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
@@ -37,10 +38,11 @@ bool drawable(const ChartPoint& point) {
 // Logarithmic axis over the values, with some air and at least one power of ten in it.
 struct Axis {
   double low = 0, high = 1;  // decimal logarithms
+  double length = 0;         // [pixel]
   [[nodiscard]] double share(double value) const { return (std::log10(value) - low) / (high - low); }
 };
 
-Axis axisOver(const ChartPanel& panel, double ChartPoint::*value) {
+Axis axisOver(const ChartPanel& panel, double ChartPoint::*value, double length) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const ChartSeries& series : panel.series) {
     for (const ChartPoint& point : series.points) {
@@ -49,10 +51,10 @@ Axis axisOver(const ChartPanel& panel, double ChartPoint::*value) {
       high = std::max(high, std::log10(point.*value));
     }
   }
-  if (low > high) return {0, 1};
+  if (low > high) return {0, 1, length};
   constexpr double kAir = 0.06;
   const double air = std::max(kAir * (high - low), 0.15);
-  return {low - air, high + air};
+  return {low - air, high + air, length};
 }
 
 // 1, 2, 5 in every decade, or the decades alone where there are many.
@@ -68,6 +70,20 @@ std::vector<double> ticksOf(const Axis& axis) {
     }
   }
   return ticks;
+}
+
+std::string tickLabel(double value) {
+  return fmt::format("{:g}", value);
+}
+
+// It ends so far from the panel's right edge that the label of its last tick, which may be at its very end, fits.
+Axis acrossAxis(const ChartPanel& panel) {
+  Axis axis = axisOver(panel, &ChartPoint::x, kPanelWidth - kLeft - kRight);
+  const std::vector<double> ticks = ticksOf(axis);
+  if (ticks.empty()) return axis;
+  const double half = numberWidth(tickLabel(ticks.back()), kFontSize) / 2;
+  if (kLeft + axis.length * axis.share(ticks.back()) + half > kPanelWidth) axis.length = kPanelWidth - kLeft - half;
+  return axis;
 }
 
 std::string text(double x, double y, const char* anchor, const std::string& words, const std::string& more = "") {
@@ -129,23 +145,22 @@ std::string axes(const ChartPanel& panel, const Axis& x, const Axis& y) {
   const double bottom = kTop + kInnerHeight;
   std::string out;
   for (const double value : ticksOf(x)) {
-    const double at = kLeft + kInnerWidth * x.share(value);
-    out += line(at, kTop, at, bottom, "#e4e4e4") + text(at, bottom + 16, "middle", fmt::format("{:g}", value));
+    const double at = kLeft + x.length * x.share(value);
+    out += line(at, kTop, at, bottom, "#e4e4e4") + text(at, bottom + 16, "middle", tickLabel(value));
   }
   for (const double value : ticksOf(y)) {
-    const double at = bottom - kInnerHeight * y.share(value);
-    out += line(kLeft, at, kLeft + kInnerWidth, at, "#e4e4e4") +
-           text(kLeft - 6, at + 4, "end", fmt::format("{:g}", value));
+    const double at = bottom - y.length * y.share(value);
+    out += line(kLeft, at, kLeft + x.length, at, "#e4e4e4") + text(kLeft - 6, at + 4, "end", tickLabel(value));
   }
-  out += line(kLeft, bottom, kLeft + kInnerWidth, bottom, "#444") + line(kLeft, kTop, kLeft, bottom, "#444");
-  out += text(kLeft + kInnerWidth / 2, kTop - 10, "middle", panel.title, " font-weight=\"bold\"");
-  out += text(kLeft + kInnerWidth / 2, bottom + 36, "middle", panel.x_label);
+  out += line(kLeft, bottom, kLeft + x.length, bottom, "#444") + line(kLeft, kTop, kLeft, bottom, "#444");
+  out += text(kLeft + x.length / 2, kTop - 10, "middle", panel.title, " font-weight=\"bold\"");
+  out += text(kLeft + x.length / 2, bottom + 36, "middle", panel.x_label);
   const double middle = kTop + kInnerHeight / 2;
   return out + text(14, middle, "middle", panel.y_label, fmt::format(" transform=\"rotate(-90 14 {:.1f})\"", middle));
 }
 
 Pixel placeOf(const ChartPoint& point, const Axis& x, const Axis& y) {
-  return {kLeft + kInnerWidth * x.share(point.x), kTop + kInnerHeight * (1 - y.share(point.y))};
+  return {kLeft + x.length * x.share(point.x), kTop + y.length * (1 - y.share(point.y))};
 }
 
 std::vector<Pixel> placesOf(const ChartSeries& series, const Axis& x, const Axis& y) {
@@ -186,14 +201,14 @@ std::string frontSvg(const ChartPanel& panel, const Axis& x, const Axis& y) {
     steps += fmt::format("{:.1f},{:.1f} ", front[i].x, front[i].y);
     rings += ring(front[i]);
   }
-  steps += fmt::format("{:.1f},{:.1f}", kLeft + kInnerWidth, front.back().y);
+  steps += fmt::format("{:.1f},{:.1f}", kLeft + x.length, front.back().y);
   return fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"#000\" stroke-width=\"1\"/>\n", steps) + rings;
 }
 
 // Beside their marks, clear of each other, of all marks and, where there is room, of the lines; inside the axes.
 std::string labelsSvg(const ChartPanel& panel, const std::vector<std::string>& names, const Axis& x, const Axis& y) {
   constexpr double kSize = 10, kLetter = 6.4, kMark = 5, kRing = 8;  // [pixel]; no letter of the labels is wider
-  LabelPlacer placer(kLeft + kInnerWidth, kTop + kInnerHeight);
+  LabelPlacer placer(kLeft + x.length, kTop + kInnerHeight);
   placer.avoid({0, 0, kLeft, kTop + kInnerHeight});
   for (const ChartSeries& series : panel.series) {
     if (series.look != SeriesLook::kMarksAlone) placer.avoidLine(placesOf(series, x, y));
@@ -281,7 +296,7 @@ ChartSvg chartSvg(const LogChart& chart) {
   const Legend legend = legendOf(panels, names, width, kTitle + kPanelHeight * static_cast<double>(down));
   std::string out = text(width / 2, 20, "middle", chart.title, " font-size=\"14\" font-weight=\"bold\"");
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const Axis x = axisOver(panels[i], &ChartPoint::x), y = axisOver(panels[i], &ChartPoint::y);
+    const Axis x = acrossAxis(panels[i]), y = axisOver(panels[i], &ChartPoint::y, kInnerHeight);
     const std::size_t row = i / across, column = i % across;
     out += fmt::format("<g transform=\"translate({} {})\">\n", kPanelWidth * static_cast<double>(column),
                        kTitle + kPanelHeight * static_cast<double>(row));
@@ -332,10 +347,10 @@ std::string logChartSvg(const LogCharts& charts) {
     height += svg.height;
   }
   return fmt::format(
-             R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" font-family="DejaVu Sans, sans-serif" font-size="12">
+             R"(<svg xmlns="http://www.w3.org/2000/svg" width="{0}" height="{1}" viewBox="0 0 {0} {1}" font-family="DejaVu Sans, sans-serif" font-size="{2}">
 <rect width="100%" height="100%" fill="white"/>
 )",
-             width, std::max(height, 1.0)) +
+             width, std::max(height, 1.0), kFontSize) +
          out + "</svg>\n";
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include "apps/servo_setup/scene_settings.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
@@ -60,14 +61,18 @@ void OnlookLink::show(const ViewRequest& wanted) {
 void OnlookLink::change(const RigSettings& wanted) {
   {
     const std::lock_guard lock(mutex_);
-    next_ = wanted;
+    next_ = {next_ ? next_->before : settingsNow(), wanted};
   }
   waker_.wake();
 }
 
 RigSettings OnlookLink::settings() const {
   const std::lock_guard lock(mutex_);
-  return next_ ? *next_ : sent_ ? *sent_ : looked_.settings;
+  return settingsNow();
+}
+
+RigSettings OnlookLink::settingsNow() const {
+  return next_ ? next_->wanted : sent_ ? sent_->wanted : looked_.settings;
 }
 
 void OnlookLink::ask(wire::Verb verb, std::vector<std::string> words, std::string what, Errand errand) {
@@ -215,14 +220,14 @@ void OnlookLink::enter(wire::AskT& ask, Open open) {
 void OnlookLink::sendWaiting(MessageChannel& channel) {
   std::deque<Waiting> waiting;
   std::optional<ViewRequest> view;
-  std::optional<RigSettings> settings;
+  std::optional<Change> change;
   bool looks = false;
   {
     const std::lock_guard lock(mutex_);
     waiting.swap(waiting_);
     for (Waiting& one : waiting) enter(one.ask, std::move(one.open));  // an errand is never out of sight of look()
     if (!isOpen(wire::Verb::Show)) view = std::exchange(view_, std::nullopt);
-    if (next_ && !sent_) settings = sent_ = std::exchange(next_, std::nullopt);
+    if (next_ && !sent_) change = sent_ = std::exchange(next_, std::nullopt);
     looks = !isOpen(wire::Verb::Look) && monotonicNow_ns() - looked_at_ns_ >= kLook_ns;
     if (looks) looked_at_ns_ = monotonicNow_ns();
   }
@@ -232,9 +237,10 @@ void OnlookLink::sendWaiting(MessageChannel& channel) {
     ask.view = wireOf(*view);
     send(channel, std::move(ask), {wire::Verb::Show, "the view"});
   }
-  if (settings) {
+  if (change) {
     wire::AskT ask = asking(wire::Verb::Change);
-    ask.settings = wireOf(*settings);
+    ask.before = wireOf(change->before);
+    ask.settings = wireOf(change->wanted);
     send(channel, std::move(ask), {wire::Verb::Change, "the settings"});
   }
   if (!looks) return;
@@ -253,7 +259,7 @@ void OnlookLink::hear(const wire::AnswerT& answer) {
   open_.erase(open);
   if (answer.refusal) messages_.emplace_back(errorOf(*answer.refusal).what());
   if (asked.verb == wire::Verb::Change) {
-    if (!answer.refusal) looked_.settings = *sent_;
+    if (!answer.refusal) looked_.settings = withChanges(looked_.settings, sent_->before, sent_->wanted);
     sent_.reset();
   }
   if (asked.errand == Errand::kYes && !answer.text.empty()) messages_.push_back(answer.text);

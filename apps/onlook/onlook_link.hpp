@@ -40,6 +40,7 @@ class OnlookLink {
   OnlookLink& operator=(const OnlookLink&) = delete;
 
   void show(const ViewRequest& wanted);
+  // The service changes what differs from settings(), and nothing else.
   void change(const RigSettings& wanted);
   // What was asked for last, or is in effect.
   [[nodiscard]] RigSettings settings() const;
@@ -75,6 +76,7 @@ class OnlookLink {
   void hear(const wire::AnswerT& answer);
   void lose(const std::string& why);
   [[nodiscard]] bool isOpen(wire::Verb verb) const;
+  [[nodiscard]] RigSettings settingsNow() const;  // with the lock
 
   const std::string socket_;
   Waker waker_;  // when there is something to send, or it ends
@@ -88,8 +90,11 @@ class OnlookLink {
   std::deque<Waiting> waiting_;
   std::optional<ViewRequest> view_;       // to be sent
   std::optional<ViewRequest> last_view_;  // that was asked for; a service that comes anew is told
-  std::optional<RigSettings> next_;       // settings to be sent
-  std::optional<RigSettings> sent_;       // and those that are not answered
+  struct Change {
+    RigSettings before, wanted;
+  };
+  std::optional<Change> next_;  // to be sent
+  std::optional<Change> sent_;  // and what is not answered
   Looked looked_;
   std::shared_ptr<Joined> joined_, untold_;
   std::vector<std::string> messages_;

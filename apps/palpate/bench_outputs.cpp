@@ -9,6 +9,7 @@
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/plan/plan_bench.hpp"
+#include "apps/scene/scene_command.hpp"
 #include "apps/stability/stability_bench.hpp"
 #include "apps/study/error_bench.hpp"
 #include "apps/study/shard.hpp"

@@ -5,6 +5,7 @@
 
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
+#include "apps/scene/scene_command.hpp"
 #include "apps/scene/scene_file.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -13,14 +14,6 @@
 #include "scene_flag.hpp"
 
 namespace palpate {
-std::string shellWord(const std::string& word) {
-  static constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./:,@%";
-  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 SceneArguments::SceneArguments(CLI::App& verb, Of of) : values_(sceneOptions().size()) {
   verb.add_option("source", source_, "volume (file, DICOM folder, 'phantom:NAME?size=64') or scene file (.toml)")
       ->type_name("VOLUME|SCENE.toml");

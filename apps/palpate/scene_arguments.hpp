@@ -11,9 +11,6 @@
 
 namespace palpate {
 
-// The word, quoted if a shell would change or split it.
-[[nodiscard]] std::string shellWord(const std::string& word);
-
 // The first of NAME-2, NAME-3, ... that does not exist as a file or folder; for "kept-2" the series goes on at
 // "kept-3".
 [[nodiscard]] std::string nextFreeName(const std::string& name);

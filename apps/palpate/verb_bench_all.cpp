@@ -12,6 +12,7 @@
 #include "apps/console/call_program.hpp"
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
+#include "apps/scene/scene_command.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "bench_outputs.hpp"

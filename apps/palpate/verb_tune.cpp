@@ -3,6 +3,7 @@
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/scene/flag_errors.hpp"
+#include "apps/scene/scene_command.hpp"
 #include "apps/tune/quantity.hpp"
 #include "apps/tune/tune_job.hpp"
 #include "apps/tune/tune_report.hpp"

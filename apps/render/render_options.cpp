@@ -188,8 +188,8 @@ RenderOption occlusionRow() {
   RenderOption row;
   row.flag = "--occlusion";
   row.takes = "on or off";
-  row.standard = "on";
-  row.help = "hollows are darker";
+  row.standard = RenderRequest{}.occlusion ? "on" : "off";
+  row.help = "hollows are darker; so is all of a rough surface";
   row.words = {"on", "off"};
   row.set = [](const std::string& text, RenderRequest& request) {
     request.occlusion = text == "on";

@@ -58,7 +58,7 @@ struct RenderRequest {
   std::optional<SliceRange> slice_range;  // empty: slice_range.hpp
   std::optional<double> second;           // isovalue of a second surface, drawn translucent [density]
   double second_opacity = DrawStyle{}.other_opacity;
-  bool occlusion = true;
+  bool occlusion = DrawStyle{}.occlusion;
   bool normals = false;
 };
 

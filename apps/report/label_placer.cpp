@@ -27,6 +27,13 @@ bool overlap(const LabelBox& a, const LabelBox& b) {
 
 }  // namespace
 
+double numberWidth(std::string_view number, double size) noexcept {
+  constexpr double kDigit = 0.64, kPlus = 0.84;  // a plus is the widest sign of a number; times the font's size
+  double width = 0;
+  for (const char letter : number) width += letter == '+' ? kPlus : kDigit;
+  return size * width;
+}
+
 void LabelPlacer::avoidLine(const std::vector<Pixel>& points) {
   if (!points.empty()) points_.push_back(points.front());
   for (std::size_t i = 1; i < points.size(); ++i) {

@@ -6,9 +6,13 @@
 // the lines.
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 namespace palpate {
+
+// No number takes more, as text: in DejaVu Sans, which is a wide font. `size`: of the font [pixel].
+[[nodiscard]] double numberWidth(std::string_view number, double size) noexcept;
 
 struct Pixel {
   double x = 0, y = 0;

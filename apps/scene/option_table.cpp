@@ -65,12 +65,13 @@ constexpr const char* kLogs[] = {"text", "json"};
 constexpr const char* kSampleForms[] = {"float", "half"};
 constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
-const std::string kStiffnessHelp = fmt::format(
-    "stiffness of the contact, K; if not given {:g}, or what a device that is held bears", kUsualStiffness_N_per_m);
+const std::string kStiffnessHelp =
+    fmt::format("stiffness of the contact, K; if not given {:g}, or what a device that is held bears",
+                usualOfServo("servo.stiffness_N_per_m"));
 
 const std::string kDampingHelp =
     fmt::format("damping of the contact along the normal, B; if not given {:g}, or what a device that is held bears",
-                kUsualDamping_Ns_per_m);
+                usualOfServo("servo.damping_Ns_per_m"));
 
 // clang-format off
 const SceneOption kOptions[] = {

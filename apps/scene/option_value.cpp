@@ -247,4 +247,32 @@ std::optional<Vec3> vectorOf(std::string_view text) {
   return parseVector(text);
 }
 
+namespace {
+
+// Calls `use` with the pointer to the option's member.
+template <typename Use>
+void withMember(const OptionValue& value, const Use& use) {
+  std::visit(
+      [&](const auto& option) {
+        if constexpr (requires { option.member.index(); }) {
+          std::visit(use, option.member);
+        } else {
+          use(option.member);
+        }
+      },
+      value);
+}
+
+}  // namespace
+
+void copyOption(const OptionValue& value, const Scene& from, Scene& to) {
+  withMember(value, [&](auto member) { to.*member = from.*member; });
+}
+
+bool isSame(const OptionValue& value, const Scene& one, const Scene& other) {
+  bool same = false;
+  withMember(value, [&](auto member) { same = one.*member == other.*member; });
+  return same;
+}
+
 }  // namespace palpate

@@ -87,6 +87,10 @@ void setOption(const OptionValue& value, const std::string& text, const std::str
 // The member's value in the form that setOption() takes; empty if the program chooses the value.
 [[nodiscard]] std::string optionText(const OptionValue& value, const Scene& scene);
 
+// The member of `from` goes to `to`, bit for bit.
+void copyOption(const OptionValue& value, const Scene& from, Scene& to);
+[[nodiscard]] bool isSame(const OptionValue& value, const Scene& one, const Scene& other);
+
 // An SI value in screen units: with ten digits, or with the fewest digits above ten that give exactly the SI value when
 // they are read and scaled. A vector is three such numbers, separated by commas.
 [[nodiscard]] std::string screenText(double si, double scale);

@@ -21,6 +21,9 @@ using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 // Of the default device (servo/devices/registry.hpp): its name, and the usual value of one of its parameters.
 [[nodiscard]] std::string defaultDevice();
 [[nodiscard]] double usualOfDevice(std::string_view key);
+// Of the servo, by the key of an option: what its parameters are where nobody sets them (LoopParameters,
+// AlgorithmParameters, EffectParameters).
+[[nodiscard]] double usualOfServo(std::string_view key);
 
 struct Scene {
   // volume
@@ -40,39 +43,41 @@ struct Scene {
   int window_edge = 32;                       // samples along an edge of the window that the servo reads [voxel]
   // servo
   std::string algorithm = defaultAlgorithm();
-  int plane_renewal_ticks = 5;  // n: the plane is found anew every n ticks
+  int plane_renewal_ticks = static_cast<int>(usualOfServo("servo.n"));  // n: the plane is found anew every n ticks
   std::optional<double> stiffness_N_per_m;  // empty: usual, or what a device that is held bears
   std::optional<double> damping_Ns_per_m;   // likewise
-  double rate_hz = 1000;
+  double rate_hz = usualOfServo("servo.rate_hz");
   double duration_s = 5;
   bool simulated_clock = false;
-  bool service = false;  // the servo runs in a process of its own
-  bool require_real_time = false;          // refuse to run without real-time priority and locked memory
-  std::string velocity = "filter";         // name of the HIP's velocity estimator
-  double velocity_cutoff_hz = 200;         // of "filter"; 0: none
-  std::optional<double> velocity_noise_m;  // of "foaw"; empty: the encoders' resolution
+  bool service = false;             // the servo runs in a process of its own
+  bool require_real_time = false;   // refuse to run without real-time priority and locked memory
+  std::string velocity = "filter";  // name of the HIP's velocity estimator
+  double velocity_cutoff_hz = usualOfServo("servo.velocity_cutoff_hz");  // of "filter"; 0: none
+  std::optional<double> velocity_noise_m;                                // of "foaw"; empty: the encoders' resolution
   // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
   NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
   NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
-  double force_limit_N = 8;          // of the simulated device
-  double slew_limit_N_per_s = 4000;  // servo/safety/safety_gate.hpp says why
-  double fade_s = 0.1;               // time in which a faulty force fades to zero
-  double stale_window_s = 0.25;      // a window that the engine has not confirmed for so long is a fault
-  double stall_s = 0.01;             // a tick later than this ends a stall
-  double report_timeout_s = 0.02;    // a device position older than this is a fault
-  bool passivity_control = false;    // false: observe only
-  bool leave_shaking = false;        // false: an unstable contact loses its force
+  double force_limit_N = usualOfServo("safety.force_limit_N");            // of the simulated device
+  double slew_limit_N_per_s = usualOfServo("safety.slew_limit_N_per_s");  // servo/safety/safety_gate.hpp says why
+  double fade_s = usualOfServo("safety.fade_s");                          // time in which a faulty force fades to zero
+  double stale_window_s =
+      usualOfServo("safety.stale_window_s");        // a window that the engine has not confirmed for so long is a fault
+  double stall_s = usualOfServo("safety.stall_s");  // a tick later than this ends a stall
+  double report_timeout_s = usualOfServo("safety.report_timeout_s");  // a device position older than this is a fault
+  bool passivity_control = false;                                     // false: observe only
+  bool leave_shaking = false;                                         // false: an unstable contact loses its force
   // contact effects; all off
   bool force_shading = false;
-  double recovery_s = 0;                 // 0: none
-  std::string texture = "none";          // none, procedural or density
-  double texture_amplitude_m = 0.1e-3;   // limit on how far a texture moves the VHIP
-  double texture_wavelength_m = 1.0e-3;  // of the procedural texture
-  double texture_gain = 1;               // of the density texture [-]
-  double friction_static = 0;            // mu_s [-]
-  double friction_dynamic = 0;           // mu_d, at most mu_s [-]
-  double friction_viscous_Ns_per_m = 0;
+  double recovery_s = usualOfServo("contact.recovery_ms");  // 0: none
+  std::string texture = "none";                             // none, procedural or density
+  double texture_amplitude_m =
+      usualOfServo("contact.texture_amplitude_mm");  // limit on how far a texture moves the VHIP
+  double texture_wavelength_m = usualOfServo("contact.texture_wavelength_mm");  // of the procedural texture
+  double texture_gain = usualOfServo("contact.texture_gain");                   // of the density texture [-]
+  double friction_static = usualOfServo("contact.friction_static");             // mu_s [-]
+  double friction_dynamic = usualOfServo("contact.friction_dynamic");           // mu_d, at most mu_s [-]
+  double friction_viscous_Ns_per_m = usualOfServo("contact.friction_viscous_Ns_per_m");
   NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
   // device, and the hand of a simulated one; apps/servo_setup/scene_settings.cpp hands them to the registry
   std::string device = defaultDevice();
@@ -126,13 +131,11 @@ struct Scene {
   int image_height = 720;
 };
 
-inline constexpr double kUsualStiffness_N_per_m = 500;
 [[nodiscard]] inline double stiffnessOf(const Scene& scene) noexcept {
-  return scene.stiffness_N_per_m.value_or(kUsualStiffness_N_per_m);
+  return scene.stiffness_N_per_m ? *scene.stiffness_N_per_m : usualOfServo("servo.stiffness_N_per_m");
 }
-inline constexpr double kUsualDamping_Ns_per_m = 0.5;
 [[nodiscard]] inline double dampingOf(const Scene& scene) noexcept {
-  return scene.damping_Ns_per_m.value_or(kUsualDamping_Ns_per_m);
+  return scene.damping_Ns_per_m ? *scene.damping_Ns_per_m : usualOfServo("servo.damping_Ns_per_m");
 }
 
 }  // namespace palpate

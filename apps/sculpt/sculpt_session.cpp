@@ -118,9 +118,9 @@ ForceOff SculptSession::forceOff() const noexcept {
   return remote_ || device_ ? theDevice().forceOff() : ForceOff::kNone;
 }
 
-void SculptSession::aim(const Vec3& hip_W) noexcept {
-  if (aim_) aim_->aim(hip_W);
-  if (remote_ && !is_held_) remote_->aim(hip_W);
+void SculptSession::aim(const PointerTarget& target) noexcept {
+  if (aim_) aim_->aim(target);
+  if (remote_ && !is_held_) remote_->aim(target);
 }
 
 void SculptSession::makeRig() {

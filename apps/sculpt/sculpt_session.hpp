@@ -79,7 +79,7 @@ class SculptSession final : public SculptSide {
   LiveView& view() noexcept { return view_; }
   void show(const ViewRequest& wanted) override { view_.show(wanted); }
   [[nodiscard]] const ViewFrame& frame() override { return view_.latest(); }
-  void aim(const Vec3& hip_W) noexcept override;
+  void aim(const PointerTarget& target) noexcept override;
   [[nodiscard]] const TickRecord& tick() override { return rig_->ticks().latest(); }
   void takeTicks(std::vector<TickRecord>& records) override { rig_->ticks().take(records); }
 

@@ -17,6 +17,7 @@
 #include "engine/plan/plan.hpp"
 #include "engine/session/tool_brush.hpp"
 #include "servo/devices/force_off.hpp"
+#include "servo/devices/pointer_path.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
@@ -57,7 +58,7 @@ class SculptSide {
   virtual void show(const ViewRequest& wanted) = 0;
   [[nodiscard]] virtual const ViewFrame& frame() = 0;
   // Where the pointer leads the tool, unless a person holds the device.
-  virtual void aim(const Vec3& hip_W) noexcept = 0;
+  virtual void aim(const PointerTarget& target) noexcept = 0;
   // The newest tick, valid until the next call; all since the last call are appended to `records`.
   [[nodiscard]] virtual const TickRecord& tick() = 0;
   virtual void takeTicks(std::vector<TickRecord>& records) = 0;

@@ -38,8 +38,8 @@ const ViewFrame& ServedSession::frame() {
   return frame_;
 }
 
-void ServedSession::aim(const Vec3& hip_W) noexcept {
-  if (!deviceIsHeld()) aim_->aim(hip_W);
+void ServedSession::aim(const PointerTarget& target) noexcept {
+  if (!deviceIsHeld()) aim_->aim(target);
 }
 
 const TickRecord& ServedSession::tick() {

@@ -34,7 +34,7 @@ class ServedSession final : public SculptSide {
   void start() override {}
   void show(const ViewRequest& wanted) override { link_.show(wanted); }
   [[nodiscard]] const ViewFrame& frame() override;
-  void aim(const Vec3& hip_W) noexcept override;
+  void aim(const PointerTarget& target) noexcept override;
   [[nodiscard]] const TickRecord& tick() override;
   void takeTicks(std::vector<TickRecord>& records) override;
 

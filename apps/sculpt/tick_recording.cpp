@@ -6,9 +6,19 @@
 
 #include <fmt/format.h>
 
+#include "apps/scene/scene_command.hpp"
+#include "apps/servo_setup/scene_settings.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
+
+std::string replayCommand(const std::string& volume, const std::string& file, const RigSettings& felt) {
+  Scene scene = withRigSettings({}, felt);
+  scene.volume = volume;
+  scene.path_file = file;
+  scene.rate_hz = felt.parameters.rate_hz;
+  return sceneCommand("touch", scene);
+}
 
 TickRecording::TickRecording(const std::filesystem::path& file, double rate_hz) : file_(file), rate_hz_(rate_hz) {
   std::error_code unknown;

@@ -12,9 +12,13 @@
 #include <optional>
 #include <string>
 
+#include "apps/servo_setup/rig_settings.hpp"
 #include "servo/loop/tick_record.hpp"
 
 namespace palpate {
+
+// The command that replays the file: the volume touched along it, felt as by these settings.
+[[nodiscard]] std::string replayCommand(const std::string& volume, const std::string& file, const RigSettings& felt);
 
 class TickRecording {
  public:

@@ -25,7 +25,7 @@ struct SliceChoice {
 };
 
 struct ViewChoice {
-  bool occlusion = true;
+  bool occlusion = DrawStyle{}.occlusion;
   std::array<CutChoice, 3> cuts = {};  // across x, y, z
   std::array<SliceChoice, 3> slices = {};
   SliceRange slice_range = {};            // densities that slices show black and white

@@ -135,15 +135,15 @@ void Onlookers::pass(std::span<const TickRecord> ticks) {
     for (const TickRecord& tick : ticks) one->ticks_.add(tick);
 }
 
-std::optional<Vec3> Onlookers::takeAim() {
-  std::optional<Vec3> newest;
+std::optional<PointerTarget> Onlookers::takeAim() {
+  std::optional<PointerTarget> newest;
   const std::lock_guard lock(mutex_);
   for (const auto& one : list_) {
-    if (!one->aims_.renew()) continue;
-    const PointerAimRecord aim = one->aims_.front();
-    const Vec3 hip_W(aim.hip_W[0], aim.hip_W[1], aim.hip_W[2]);
-    if (!hip_W.allFinite() || one->last_aim_ == hip_W) continue;
-    newest = one->last_aim_ = hip_W;
+    const std::optional<PointerTarget> aim = one->aims_.take();
+    if (!aim || one->last_aim_ == aim->hip_W)
+      continue;  // a pointer at rest leads nothing, though its tool would leap back
+    one->last_aim_ = aim->hip_W;
+    newest = aim;
   }
   return newest;
 }

@@ -35,7 +35,7 @@ class Onlooker : public BrushHand {
   friend class Onlookers;
   ViewMemory memory_;
   LiveTicks ticks_;
-  TripleBuffer<PointerAimRecord> aims_;
+  PointerTargets aims_;
   std::optional<Vec3> last_aim_;  // where its pointer was
   // Guarded by the list's lock:
   std::optional<ViewRequest> wanted_, seen_;  // the newest request, and the newest that could be drawn
@@ -70,7 +70,7 @@ class Onlookers {
   void interrupt();
   void pass(std::span<const TickRecord> ticks);
   // Where a pointer leads the tool, if one has moved since the last call.
-  [[nodiscard]] std::optional<Vec3> takeAim();
+  [[nodiscard]] std::optional<PointerTarget> takeAim();
 
  private:
   [[nodiscard]] static bool waits(const Onlooker& one, std::uint64_t edit_version);

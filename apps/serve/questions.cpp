@@ -218,7 +218,7 @@ void Questions::askFromAWindow(const wire::AskT& ask, const std::shared_ptr<Onlo
         done({}, {});
       });
     default:
-      return served_.change(settingsOf(ask.settings),
+      return served_.change(settingsOf(ask.before), settingsOf(ask.settings),
                             [done](const std::optional<Error>& refusal) { done(refusal, {}); });
   }
   done({}, {});

@@ -127,8 +127,9 @@ void ServedVolume::takeIsovalueAlone() {
   }
 }
 
-void ServedVolume::change(const RigSettings& settings, Done done) {
+void ServedVolume::change(const RigSettings& before, const RigSettings& wanted, Done done) {
   const Scene present = scene();
+  const RigSettings settings = withChanges(settingsOf(present), before, wanted);
   Scene next = withRigSettings(present, settings);
   if (settings.parameters.isovalue == wantedIsovalue(present)) next.isovalue = present.isovalue;
   checkLiveSettings(present, next);

@@ -282,8 +282,8 @@ void ServedVolume::lookForOnlookers(TouchRig& rig) {
     status_.window_age_ns = told_.back().window_age_ns;
   }
   onlookers_.pass(told_);
-  const std::optional<Vec3> hip_W = onlookers_.takeAim();
-  if (hip_W && !isHeld(first_scene_)) servo_->aim(*hip_W);
+  const std::optional<PointerTarget> target = onlookers_.takeAim();
+  if (target && !isHeld(first_scene_)) servo_->aim(*target);
 }
 
 void ServedVolume::noteMemory(std::int64_t now_ns) {

@@ -108,7 +108,8 @@ class ServedVolume {
   void hold(const std::shared_ptr<Onlooker>& one, BrushHolders::Turn turn, const ToolBrushSpec& brush);
   void release(const std::shared_ptr<Onlooker>& one);
   void goTo(std::size_t done);  // RigEdits::goTo()
-  void change(const RigSettings& settings, Done done);
+  // What differs between the two, and nothing else: a client may not have seen yet what others have changed.
+  void change(const RigSettings& before, const RigSettings& wanted, Done done);
   [[nodiscard]] ServedFacts facts() const;
   // `known`: State::edits of the list of steps that the client has; empty: it has none.
   [[nodiscard]] Looked looked(const Onlooker& one, const std::optional<std::uint64_t>& known) const;

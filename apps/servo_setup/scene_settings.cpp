@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/scene/option_table.hpp"
+
 namespace palpate {
 namespace {
 
@@ -117,6 +119,17 @@ Scene withRigSettings(Scene scene, const RigSettings& settings) {
   for (const GradientRow& row : settings.haptization.gradient)
     scene.haptization_gradient.push_back({row.gradient_per_m, row.weight});
   return scene;
+}
+
+RigSettings withChanges(const RigSettings& present, const RigSettings& before, const RigSettings& wanted) {
+  const Scene from = withRigSettings({}, before), to = withRigSettings({}, wanted);
+  Scene scene = withRigSettings({}, present);
+  for (const SceneOption& option : sceneOptions()) {
+    if (!isSame(option.value, from, to)) copyOption(option.value, to, scene);
+  }
+  RigSettings settings = rigSettings(scene, *scene.isovalue);
+  settings.parameters.rate_hz = present.parameters.rate_hz;
+  return settings;
 }
 
 double lackingDamping(const Scene& scene, const DeviceLimits& device) {

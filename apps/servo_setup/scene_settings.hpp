@@ -27,6 +27,9 @@ namespace palpate {
 // The scene with these settings in place of its own: rigSettings() gives them back. Its rate stays.
 [[nodiscard]] Scene withRigSettings(Scene scene, const RigSettings& settings);
 
+// What was changed from `before` to `wanted`, and no more, changed in `present`. Another rate is not taken over.
+[[nodiscard]] RigSettings withChanges(const RigSettings& present, const RigSettings& before, const RigSettings& wanted);
+
 // How much damping the scene lacks for a passive wall [N s/m]; 0 if none. A sampled wall needs K T / 2 + K T d (Colgate
 // and Schenkel 1997), with the scene's largest stiffness K, the period T of a tick and a force that is d ticks late. 0
 // for an algorithm without a stiffness.

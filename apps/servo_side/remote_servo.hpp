@@ -78,7 +78,7 @@ class RemoteServo final : public ServoSide {
   void requestStop() noexcept override;
   void tellTicksTo(LiveTicks& live) override;
   // Where the pointer leads the tool from now on (servo/devices/pointer_path.hpp). One thread.
-  void aim(const Vec3& hip_W) noexcept { aims_.aim(hip_W); }
+  void aim(const PointerTarget& target) noexcept { aims_.aim(target); }
 
   // Ends a run, and lets the other process go; only memory() may be used afterwards. Waits for an end in good order,
   // for some seconds at most.

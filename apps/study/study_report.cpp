@@ -20,6 +20,8 @@ constexpr const char* kStudyCss = R"(
 section svg { display: block; max-width: 100%; height: auto; border: 1px solid var(--line); border-radius: 6px; }
 table.wide th { width: auto; white-space: nowrap; }
 table.wide td, table.wide th { padding-right: 10px; font-size: 13px; }
+table.targets th { width: auto; }
+table.targets td:not(:first-child), table.targets th { white-space: nowrap; }
 .scroll { overflow-x: auto; }
 @media print {
   :root { --paper: #fff; --ink: #000; --soft: #333; --line: #999; --card: #fff; }
@@ -76,7 +78,7 @@ std::string headOf(const BenchResult& result) {
 
 std::string targetSection(const BenchResult& result) {
   std::string text =
-      "<section>\n<h2>What is promised</h2>\n<table>\n<tr><th>target</th><th>value</th><th>at "
+      "<section>\n<h2>What is promised</h2>\n<table class=\"targets\">\n<tr><th>target</th><th>value</th><th>at "
       "most</th><th></th></tr>\n";
   for (const BenchTarget& target : result.targets) {
     text += fmt::format("<tr><td>{}</td><td>{:.4g}</td><td>{:g}</td><td>{}</td></tr>\n", escapeHtml(target.name),

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -31,6 +32,12 @@ void openRow(WindowModel& model) {
   ImGui::EndCombo();
 }
 
+bool save(WindowModel& model, const std::string& file) {
+  if (!orSay(model, [&] { model.session.save(file); })) return false;
+  model.saved.wrote(file);
+  return true;
+}
+
 void saveRow(WindowModel& model) {
   ImGui::SetNextItemWidth(-ImGui::GetFontSize() * 4);
   const bool entered = ImGui::InputTextWithHint("##file", "sculpted.vdb", model.file, sizeof model.file,
@@ -48,7 +55,27 @@ bool saveAs(WindowModel& model) {
     model.say("name a file first, at the top left: for example sculpted.vdb");
     return false;
   }
-  return orSay(model, [&] { model.session.save(model.file); });
+  if (model.saved.isForeign(model.file)) {
+    model.overwriting = {.file = model.file};
+    return false;
+  }
+  return save(model, model.file);
+}
+
+void showOverwriteQuestion(WindowModel& model) {
+  if (!model.overwriting.file.empty()) ImGui::OpenPopup("Overwrite");
+  ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, ImVec2(0.5F, 0.5F));
+  if (!ImGui::BeginPopupModal("Overwrite", nullptr, ImGuiWindowFlags_AlwaysAutoResize)) return;
+  ImGui::Text("%s is there already,\nand this session has not written it.", model.overwriting.file.c_str());
+  const bool saves = ImGui::Button("Overwrite it");
+  ImGui::SameLine();
+  const bool stays = ImGui::Button("Leave it") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
+  if (saves || stays) {
+    const Overwriting asked = std::exchange(model.overwriting, {});
+    if (saves && save(model, asked.file) && asked.leaves_after) model.leaving.goes = true;
+    ImGui::CloseCurrentPopup();
+  }
+  ImGui::EndPopup();
 }
 
 void toggleRecording(WindowModel& model) {
@@ -59,13 +86,9 @@ void toggleRecording(WindowModel& model) {
     }
     model.recording->close();
     const std::string file = model.recording->file().string();
-    const RigSettings felt = model.session.settings();
-    model.say(fmt::format(
-        "{} holds {:.1f} s of the tool's way and its brushes. It is replayed by: palpate touch {} --path {} "
-        "--isovalue {} --algorithm {} --stiffness {:g} --damping {:g} --n {}",
-        file, model.recording->seconds(), model.session.volume().name, file,
-        static_cast<float>(felt.parameters.isovalue), felt.algorithm, felt.parameters.stiffness_N_per_m,
-        felt.parameters.damping_Ns_per_m, felt.parameters.plane_renewal_ticks));
+    model.say(fmt::format("{} holds {:.1f} s of the tool's way and its brushes. It is replayed by: {}", file,
+                          model.recording->seconds(),
+                          replayCommand(model.session.volume().name, file, model.session.settings())));
     model.recording.reset();
   });
 }

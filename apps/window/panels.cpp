@@ -46,6 +46,7 @@ PictureArea showPanels(WindowModel& model, double scale) {
   panel("status", ImVec2(0, all.y - bottom), ImVec2(all.x, bottom), ImGuiWindowFlags_NoNavFocus,
         [&] { showStatus(model); });
   showLeaveQuestion(model);
+  showOverwriteQuestion(model);
   return {left, 0, std::max(1.0F, all.x - left - right), std::max(1.0F, all.y - bottom)};
 }
 

@@ -18,7 +18,8 @@ struct PictureArea {
 // What is drawn over the picture: tool, surface point, force, plane, path, brush.
 void showOverlay(const WindowModel& model, const PictureArea& area, double scale);
 
-// Begins to write the file that is named at the top left. Returns false, and says why, where that is refused.
+// Begins to write the file that is named at the top left. Returns false where that is refused, and says why, and where
+// a file of others lies there: then it asks.
 bool saveAs(WindowModel& model);
 // Begins a recording of the tool's way in the current folder, or ends it.
 void toggleRecording(WindowModel& model);
@@ -36,5 +37,6 @@ void showFaultsSection(WindowModel& model);
 void showPlanSection(const WindowModel& model);
 void showStatus(WindowModel& model);
 void showLeaveQuestion(WindowModel& model);
+void showOverwriteQuestion(WindowModel& model);
 
 }  // namespace palpate

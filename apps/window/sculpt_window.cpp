@@ -68,7 +68,7 @@ PointerInput pointerInput(const PictureArea& area, const ImVec2& by) {
 SculptWindow::SculptWindow(GuiHost& host, SculptSide& session, SculptSettings settings)
     : host_(host),
       model_{.session = session, .settings = std::move(settings), .view = OrbitView(session.volume().object, 640, 480)},
-      tool_(model_.view.distance_m()) {
+      lead_(model_.view.distance_m()) {
   model_.sight.slice_range = sliceRangeFor(session.volume().statistics);
   look();  // what is said later is the newest
 }
@@ -236,15 +236,7 @@ void SculptWindow::pointer(const PictureArea& area) {
   SculptSide& session = model_.session;
   const ViewFrame& frame = session.frame();
   model_.request = model_.gestures.take(input, frame, model_.view, model_.settings.brush, model_.settings.reach);
-  if (model_.request.begins) session.press(*model_.request.begins);
-  if (model_.request.ends) session.release();
-  const auto kind = model_.gestures.kind();
-  if (kind == Gestures::Kind::kStroke || (kind == Gestures::Kind::kNone && input.over)) {
-    if (const auto hip_W = tool_.hip_W(frame, input.x, input.y, model_.request.presses, model_.settings.reach))
-      session.aim(*hip_W);
-  } else if (const auto resting_W = tool_.resting_W(frame)) {
-    session.aim(*resting_W);
-  }
+  lead_.lead(session, model_.request, model_.gestures.kind(), input, model_.settings.reach, session.tick());
   showView();
 }
 

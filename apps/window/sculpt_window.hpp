@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/sculpt/pointer_lead.hpp"
 #include "apps/window/gui_host.hpp"
 #include "apps/window/panels.hpp"
 
@@ -42,7 +43,7 @@ class SculptWindow {
 
   GuiHost& host_;
   WindowModel model_;
-  PointerTool tool_;
+  PointerLead lead_;
   std::optional<ViewRequest> asked_;
   std::string style_refusal_;
   std::vector<TickRecord> ticks_;

@@ -54,6 +54,7 @@ void showLeaveQuestion(WindowModel& model) {
     leaving.asks = false;
     leaving.goes = leaves || saved;
     leaving.keeps = leaves;
+    model.overwriting.leaves_after = saves && !model.overwriting.file.empty();
     ImGui::CloseCurrentPopup();
   }
   ImGui::EndPopup();

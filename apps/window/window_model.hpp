@@ -10,6 +10,7 @@
 #include "apps/sculpt/fault_counts.hpp"
 #include "apps/sculpt/gestures.hpp"
 #include "apps/sculpt/key_pointer.hpp"
+#include "apps/sculpt/saved_files.hpp"
 #include "apps/sculpt/sculpt_settings.hpp"
 #include "apps/sculpt/sculpt_side.hpp"
 #include "apps/sculpt/tick_recording.hpp"
@@ -38,6 +39,12 @@ struct Leaving {
   std::string volume;  // to open; empty: the window closes
 };
 
+// A file that lies where the person wants to save, and that this session has not written: shall it go?
+struct Overwriting {
+  std::string file;           // empty: nothing is asked
+  bool leaves_after = false;  // Leaving::goes then
+};
+
 struct WindowModel {
   SculptSide& session;
   SculptSettings settings;
@@ -56,6 +63,8 @@ struct WindowModel {
   std::deque<std::string> messages = {};        // the newest last
   char file[1024] = "";                         // to save as
   char opens[1024] = "";                        // to open
+  SavedFiles saved = {};
+  Overwriting overwriting = {};
   Leaving leaving = {};
   bool wants_screenshot = false;
 

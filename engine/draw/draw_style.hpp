@@ -18,8 +18,8 @@ struct ViewPlane {
 };
 
 struct DrawStyle {
-  bool occlusion = false;        // hollows are darker
-  bool normals = false;          // colours are normals in the camera's frame (x right, y up, z to the eye)
+  bool occlusion = false;  // hollows are darker; it darkens and grains rough surfaces, so it is off unless asked for
+  bool normals = false;    // colours are normals in the camera's frame (x right, y up, z to the eye)
   std::vector<ViewPlane> clips;  // only what lies in front of all of them (where the normal points) is drawn; at most 6
   std::vector<ViewPlane> slices;         // planes on which the density is shown; at most 3
   double slice_black = 0;                // density shown black [density]

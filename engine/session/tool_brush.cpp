@@ -65,6 +65,7 @@ void ToolBrush::lift() noexcept {
 }
 
 std::vector<EditCommand> ToolBrush::dueStroke(const ToolPose& pose, std::int64_t time_ns) {
+  if (std::exchange(leaps_, pose.leaps) != pose.leaps) lift();
   if (!from_W_) {
     from_W_ = pose.position_W;
     begin_ns_ = last_call_ns_ = time_ns;

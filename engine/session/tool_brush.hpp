@@ -3,9 +3,9 @@
 //
 // Call dueStroke() with every new pose of the tool. Once a period it returns a stroke along the tool's path in that
 // period, if the tool touched the surface meanwhile. The centre of the brush is the HIP. Successive strokes share an
-// end, so they leave no gap, however fast the tool moves. A tool at rest yields only one stroke if its brush has its
-// full effect at once. A flatten brush flattens to the plane that the tool touched when the contact began. A mirror
-// repeats every stroke on the other side of the volume's middle.
+// end, so they leave no gap, however fast the tool moves; only where the tool has leapt there is none between. A tool
+// at rest yields only one stroke if its brush has its full effect at once. A flatten brush flattens to the plane that
+// the tool touched when the contact began. A mirror repeats every stroke on the other side of the volume's middle.
 //
 // Frame W: world [m]. Thread: one. Deterministic: the same poses give the same commands.
 #pragma once
@@ -57,6 +57,7 @@ class ToolBrush {
   Lattice lattice_;
   std::optional<Vec3> from_W_;  // the tool's position when the period began
   std::int64_t begin_ns_ = 0;   // of the period
+  std::uint32_t leaps_ = 0;     // ToolPose::leaps of the last call
   double impulse_Ns_ = 0;       // of the force that pressed in this period
   std::int64_t last_call_ns_ = 0;
   bool touched_ = false;             // in this period

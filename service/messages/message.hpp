@@ -32,7 +32,7 @@ template <class Content>
 [[nodiscard]] wire::BodyUnion decoded(std::span<const std::byte> bytes, const std::string& from);
 
 // Version of questions and answers. Raise it whenever the meaning of one changes.
-inline constexpr std::uint32_t kProtocol = 1;
+inline constexpr std::uint32_t kProtocol = 2;
 // A question of this program, still without its number and words.
 [[nodiscard]] wire::AskT asking(wire::Verb verb);
 

@@ -108,6 +108,9 @@ class Device {
   virtual void beginAnew() noexcept {}
   // The last tick of a run is over: what follows only brings the force to zero. Servo thread.
   virtual void endRun() noexcept {}
+  // Whether the tool has been put elsewhere since the last call: it did not go there, so whatever lies between is not
+  // felt, and everything begins anew. Servo thread, after read().
+  [[nodiscard]] virtual bool leapt() noexcept { return false; }
   // The force with which the end of its workspace pushes the handle back, at the position that the last read() gave.
   // The servo adds it to the contact's, in front of the safety gate.
   [[nodiscard]] virtual DeviceBoundary boundary() const noexcept { return {}; }

@@ -5,6 +5,7 @@
 // Before 0 and after the end the path rests at its ends.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "base/vec.hpp"
@@ -16,6 +17,8 @@ class Path {
   virtual ~Path() = default;
   [[nodiscard]] virtual Vec3 position(double time_s) const noexcept = 0;  // [m]
   [[nodiscard]] virtual double duration_s() const noexcept = 0;           // [s]
+  // How often it has gone on elsewhere, up to the last position(): nothing lies between the places before and after.
+  [[nodiscard]] virtual std::uint64_t leaps() const noexcept { return 0; }
 };
 
 // kLinear: straight lines between the points. kCubic: cubic Hermite. The tangent at a point is that of the parabola

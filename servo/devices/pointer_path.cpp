@@ -11,21 +11,52 @@ namespace {
 
 constexpr double kFarthest_m = 1e6;  // of an aim from the world's origin: nothing that is touched lies there
 
+bool isPlace(const Vec3& p_W) noexcept {
+  return p_W.allFinite() && p_W.cwiseAbs().maxCoeff() <= kFarthest_m;
+}
+
 }  // namespace
 
+void PointerAim::aim(const PointerTarget& target) noexcept {
+  for (int axis = 0; axis < 3; ++axis) newest_.hip_W[axis] = target.hip_W[axis];
+  if (target.from_W) {
+    for (int axis = 0; axis < 3; ++axis) newest_.from_W[axis] = (*target.from_W)[axis];
+    ++newest_.leaps;
+  }
+  aims_.back() = newest_;
+  aims_.publish();
+}
+
+std::optional<PointerTarget> PointerTargets::take() noexcept {
+  if (!aims_.renew()) return std::nullopt;
+  const PointerAimRecord next = aims_.front();  // a copy: the other side may write on
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  PointerTarget target(Vec3(next.hip_W[0], next.hip_W[1], next.hip_W[2]));
+  if (!isPlace(target.hip_W)) return std::nullopt;
+  if (next.leaps != leaps_) {
+    const Vec3 from_W(next.from_W[0], next.from_W[1], next.from_W[2]);
+    if (!isPlace(from_W)) return std::nullopt;
+    leaps_ = next.leaps;
+    target.from_W = from_W;
+  }
+  return target;
+}
+
 // Takes the newest aim, of the newest block.
-void PointerPath::look() const noexcept {
+bool PointerPath::look() const noexcept {
   if (PointerAimBlock* const next = next_.load(std::memory_order_acquire); next != nullptr) {
-    aims_.emplace(*next);
+    targets_.emplace(*next);
     next_.store(nullptr, std::memory_order_release);
   }
-  if (!aims_ || !aims_->renew()) return;
-  const PointerAimRecord next = aims_->front();  // a copy: the other side may write on
-  std::atomic_signal_fence(std::memory_order_seq_cst);
-  const Vec3 next_W(next.hip_W[0], next.hip_W[1], next.hip_W[2]);
-  if (!next_W.allFinite() || next_W.cwiseAbs().maxCoeff() > kFarthest_m) return;
-  aim_W_ = next_W;
+  const std::optional<PointerTarget> target = targets_ ? targets_->take() : std::nullopt;
+  if (!target) return false;
+  aim_W_ = target->hip_W;
   until_ = nullptr;
+  if (!target->from_W) return false;
+  ++leaps_;
+  position_W_ = *target->from_W;
+  velocity_W_.setZero();
+  return true;
 }
 
 // With x the way from the aim and w = 1 / time constant: x(t) = (x0 + (v0 + w x0) t) exp(-w t).
@@ -33,7 +64,7 @@ Vec3 PointerPath::position(double time_s) const noexcept {
   const double dt_s = time_s - time_s_;
   if (!(dt_s > 0)) return position_W_;
   time_s_ = time_s;
-  look();
+  if (look()) return position_W_;  // the first tick there is at rest
   if (until_ != nullptr) {
     const Vec3 before_W = std::exchange(position_W_, until_->position(time_s));
     velocity_W_ = (position_W_ - before_W) / dt_s;

@@ -2,6 +2,7 @@
 #include "servo/devices/simulated_device.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
@@ -62,7 +63,11 @@ void SimulatedDevice::elapse(int ticks) noexcept {
   for (int i = 0; i < ticks; ++i) {
     const Vec3 start_W = path_.position(timeOf(tick_));
     const Vec3 end_W = path_.position(timeOf(++tick_));
-    if (parameters_.hand == Hand::kRigid) {
+    if (std::exchange(leaps_, path_.leaps()) != path_.leaps()) {  // a hand puts it there, without force
+      leapt_ = true;
+      state_ = {end_W, Vec3::Zero()};
+      for (Vec3& force_W : written_W_) force_W.setZero();
+    } else if (parameters_.hand == Hand::kRigid) {
       state_ = {end_W, (end_W - start_W) * rate_hz_};
     } else {
       state_ = dynamics_.step(state_, start_W, end_W, written_W_[next_]);
@@ -88,6 +93,11 @@ bool SimulatedDevice::read(Vec3& position_W) noexcept {
   reported_W_ = position_W;
   reported_tick_ = tick_;
   return true;
+}
+
+// With the report of the new place, and not of one before.
+bool SimulatedDevice::leapt() noexcept {
+  return reported_tick_ == tick_ && std::exchange(leapt_, false);
 }
 
 std::int64_t SimulatedDevice::reportAge_ns() const noexcept {

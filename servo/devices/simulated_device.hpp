@@ -41,6 +41,7 @@ class SimulatedDevice final : public Device {
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
   void elapse(int ticks) noexcept override;
   [[nodiscard]] bool read(Vec3& position_W) noexcept override;
+  [[nodiscard]] bool leapt() noexcept override;
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override;
   [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override;
 
@@ -60,6 +61,8 @@ class SimulatedDevice final : public Device {
   Vec3 reported_W_ = Vec3::Zero();  // the last position that was read
   std::vector<Vec3> written_W_;     // ring of delay_ticks + 1 forces; the one at next_ acts in this tick
   std::size_t next_ = 0;
+  std::uint64_t leaps_ = 0;  // of the path
+  bool leapt_ = false;       // and nobody has been told
 };
 
 }  // namespace palpate

@@ -270,11 +270,17 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   carried_faults_ = offer(gated.force_W) ? 0 : bit(ServoFault::kDeviceError);
   const Vec3& held_W = gate_.heldForce();
   passivity_.hold(held_W);
-  tool_->back() = {hip_W_,           velocity_.value(),
-                   due.tick,         now_ns,
-                   last_.at_surface, last_.surface_W,
-                   out.normal_W,     held_W,
-                   window.version,   gated.faults | carried_faults_ | std::exchange(overrun_, 0U)};
+  tool_->back() = {hip_W_,
+                   velocity_.value(),
+                   due.tick,
+                   now_ns,
+                   last_.at_surface,
+                   last_.surface_W,
+                   out.normal_W,
+                   held_W,
+                   window.version,
+                   gated.faults | carried_faults_ | std::exchange(overrun_, 0U),
+                   leaps_};
   if (link != nullptr) link->tool->back() = tool_->back();
   tool_->publish();
   if (link != nullptr) {
@@ -429,6 +435,11 @@ double ServoLoop::sinceReport_s() const noexcept {
 // explains is believed when the next reading lies near it: then the device counts from elsewhere, and everything begins
 // anew there. Otherwise it was a wrong reading.
 bool ServoLoop::believes(const Vec3& read_W) noexcept {
+  if (device_.leapt()) {
+    leapt_ = false;
+    beginAt(read_W);
+    return true;
+  }
   const double way_m = (read_W - hip_W_).stableNorm();
   if (way_m <= motion_.longestWay_m(sinceReport_s(), position_waits_s_)) {
     leapt_ = false;
@@ -453,6 +464,7 @@ void ServoLoop::beginAt(const Vec3& read_W) noexcept {
   motion_.begin();
   hip_W_ = read_W;
   device_.beginAnew();
+  ++leaps_;
 }
 
 // Reads where the tool is. Only a report that was not read before updates velocity and energy. False: no answer that

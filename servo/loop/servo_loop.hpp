@@ -177,6 +177,7 @@ class ServoLoop {
   MotionLaw motion_;
   double position_waits_s_;  // how much older than its tick a position may be [s]
   bool begins_;  // the first position of a run is still to come, and may be anywhere: a person holds the device
+  std::uint32_t leaps_ = 0;  // that were believed
   int ticks_since_report_ = 0;
   std::int64_t last_now_ns_ = 0;      // when the last tick began
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate

@@ -50,7 +50,7 @@ struct SafetyParameters {
   double force_limit_N = 8;          // the device's maximum, or less [N]
   double slew_limit_N_per_s = 4000;  // [N/s]
   double fade_s = 0.1;               // from full force to none, and back [s]
-  double stale_window_s = 0.5;       // a window last confirmed longer ago than this is stale [s]
+  double stale_window_s = 0.25;      // a window last confirmed longer ago than this is stale [s]
   double stall_s = 0.01;             // a tick that is late by more than this ends a stall [s]
   double report_timeout_s = 0.02;    // an older position is a fault; 20 ms: a 125 Hz device may lose one report [s]
   double start_s = 0;                // from no force to all of it when a run begins; 0: all at once [s]

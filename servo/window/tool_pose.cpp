@@ -32,6 +32,7 @@ void ToolPoseMailbox::publish() noexcept {
   record.window_version = back_.window_version;
   record.at_surface = back_.at_surface ? 1 : 0;
   record.faults = back_.faults;
+  record.leaps = back_.leaps;
   buffer_.publish();
 }
 
@@ -50,7 +51,8 @@ void ToolPoseMailbox::takeFront() noexcept {
   pose.time_ns = record.time_ns;
   pose.window_version = record.window_version;
   pose.at_surface = record.at_surface != 0;
-  pose.faults = static_cast<std::uint32_t>(record.faults);
+  pose.faults = record.faults;
+  pose.leaps = record.leaps;
   const bool is_place = isSane(pose.position_W) && isSane(pose.velocity_W) && isSane(pose.surface_W) &&
                         isSane(pose.normal_W) && isSane(pose.force_W);
   if (is_place) latest_ = pose;

@@ -25,6 +25,8 @@ struct ToolPose {
   Vec3 force_W = Vec3::Zero();       // what the device was sent last, after the safety gate [N]
   std::uint64_t window_version = 0;  // of the window that this tick read; 0: none
   std::uint32_t faults = 0;          // bits of servo/safety/faults.hpp; an overrun is the tick's before
+  std::uint32_t leaps =
+      0;  // how often the tool has been put elsewhere: between two poses with other numbers lies no way
 };
 
 // A pose as it lies in the mailbox.
@@ -33,7 +35,7 @@ struct ToolPoseRecord {
   std::int64_t tick = -1, time_ns = 0;
   std::uint64_t window_version = 0;
   std::uint64_t at_surface = 0;  // 0 or 1
-  std::uint64_t faults = 0;
+  std::uint32_t faults = 0, leaps = 0;
 };
 static_assert(std::is_trivially_copyable_v<ToolPoseRecord> && sizeof(ToolPoseRecord) == 160);
 using ToolPoseBlock = TripleBlock<ToolPoseRecord>;

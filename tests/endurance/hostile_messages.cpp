@@ -184,6 +184,7 @@ std::vector<std::byte> HostileMessages::refusedView() {
 // What a window asks for with its sliders, with one that cannot be.
 std::vector<std::byte> HostileMessages::refusedSettings() {
   wire::AskT ask = asking(wire::Verb::Change);
+  ask.before = wireOf(RigSettings{});
   ask.settings = wireOf(RigSettings{});
   wire::SettingsT& settings = *ask.settings;
   const double bad[] = {-1, -1e300, std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()};

@@ -37,6 +37,7 @@ void readParts(wire::BodyUnion& body) {
   if (const auto* const ask = contentOf<wire::AskT>(body)) {
     if (ask->view) readAgain(ask->view, viewOf);
     if (ask->settings) readAgain(ask->settings, [](const auto& wire) { return settingsOf(wire); });
+    if (ask->before) readAgain(ask->before, [](const auto& wire) { return settingsOf(wire); });
   } else if (const auto* const answer = contentOf<wire::AnswerT>(body)) {
     if (answer->facts) readAgain(answer->facts, factsOf);
     if (answer->looked) readAgain(answer->looked, lookedOf);

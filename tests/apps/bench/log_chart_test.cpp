@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/bench/log_chart.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <regex>
@@ -8,6 +9,7 @@
 
 #include <gmock/gmock.h>
 
+#include "apps/bench/random.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {
@@ -106,6 +108,31 @@ TEST(LogChart, LabelsStayApartAndInside) {
       EXPECT_TRUE(beside || std::abs(labels[i][1] - labels[j][1]) >= 9.9) << i << " over " << j;
     }
   }
+}
+
+// Values of any size, whose last tick may lie at the very end of an axis: every number stays within its panel, 460
+// wide, and clear of the words beside the axis, which end at 20. A digit of DejaVu Sans is 0.64 times its size wide, a
+// plus 0.84.
+TEST(LogChart, NumbersAtTheAxesAreWhole) {
+  Random random(11);
+  static const std::regex kNumber("<text x=\"([0-9.]+)\" y=\"[0-9.]+\" text-anchor=\"(middle|end)\">([-+.0-9e]+)<");
+  int seen = 0;
+  for (int round = 0; round < 2000; ++round) {
+    const auto any = [&] { return std::pow(10.0, random.uniform(-6, 12)); };
+    const double x = any(), y = any(), spread = std::pow(10.0, random.uniform(0, 5));
+    const std::string svg =
+        logChartSvg({{"chart", {panelOf({{x, y, ""}, {x * spread, y * spread, ""}})}, ChartMarks::kLine}});
+    for (auto it = std::sregex_iterator(svg.begin(), svg.end(), kNumber); it != std::sregex_iterator(); ++it, ++seen) {
+      const std::string words = (*it)[3];
+      const auto pluses = static_cast<double>(std::count(words.begin(), words.end(), '+'));
+      const double width = 12 * (0.64 * static_cast<double>(words.size()) + 0.2 * pluses), at = std::stod((*it)[1]);
+      const bool below = (*it)[2] == "middle";
+      // A tenth of a pixel: the places are rounded to it.
+      EXPECT_LE(below ? at + width / 2 : at, 460.1) << words << " at " << x << " to " << x * spread;
+      EXPECT_GE(below ? at - width / 2 : at - width, 20) << words << " at " << y << " to " << y * spread;
+    }
+  }
+  EXPECT_GT(seen, 4000);
 }
 
 TEST(LogChart, WhatHasNoLogarithmIsLeftOut) {

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The other verbs, and the help of all.
+#include <iomanip>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/scene/option_table.hpp"
+#include "apps/sculpt/tick_recording.hpp"
 #include "engine/filter/filter_spec.hpp"
 #include "program_test.hpp"
+#include "tests/servo/support/seeded.hpp"
 #include "tests/support/long_run.hpp"
 
 namespace palpate {
@@ -54,6 +62,83 @@ Words unquotedPhantoms(const std::string& text) {
     if (name.find('?') != std::string::npos && (at == 0 || text[at - 1] != '\'')) found.push_back(name);
   }
   return found;
+}
+
+// The line that a window gives for a recording, as a person pastes it. The path, the settings and the volume have names
+// and values that a shell or the parser could take for something else.
+TEST_F(Verbs, AReplayIsTakenByTheProgram) {
+  write("my way.csv", "time_s,x_m,y_m,z_m,brush\n0,0,-0.03,0,\n0.05,0,-0.02,0,\n");
+  Seeded random(2);
+  for (int i = 0; i < 3; ++i) {
+    RigSettings felt;
+    felt.parameters.isovalue = static_cast<float>(i == 0 ? -0.1 : random.between(-300, 300));
+    felt.parameters.stiffness_N_per_m = random.between(20, 300);
+    felt.parameters.damping_Ns_per_m = random.between(0, 0.2);
+    felt.parameters.plane_renewal_ticks = 1 + random.pick(5);
+    felt.effects = {
+        .force_shading = i == 1, .recovery_s = 1e-3 * random.pick(20), .texture = static_cast<TextureKind>(i)};
+    felt.effects.friction = {0.6, 0.3, 0.1};
+    felt.force_limit_N = random.between(1, 8);
+    const std::string line = replayCommand("phantom:sphere?size=32&spacing=2mm", "my way.csv", felt);
+    ASSERT_THAT(line, testing::StartsWith("palpate touch '"));
+    std::istringstream in(line.substr(std::string("palpate ").size()));
+    Words words;  // as a shell splits them; there is no quote within quotes
+    for (std::string word; in >> std::quoted(word, '\''); word.clear()) words.push_back(word);
+    const Outcome outcome =
+        run(words + Words{"--clock", "simulated", "--picture", "off", "--out", "out" + std::to_string(i)});
+    EXPECT_EQ(outcome.status, 0) << line << '\n' << outcome.err;
+    const auto summary = nlohmann::json::parse(contentsOf(file("out" + std::to_string(i)) / "summary.json"));
+    EXPECT_EQ(summary.at("parameters").at("contact.friction_static"), 0.6) << line;
+    EXPECT_EQ(summary.at("parameters").at("isovalue"), felt.parameters.isovalue) << line;
+  }
+}
+
+// Flags of each verb, and of the verbs below it, from its own help: "--iso".
+std::set<std::string> flagsIn(const std::string& text) {
+  std::set<std::string> flags;
+  static const std::regex kFlag("(^|[^-a-zA-Z0-9_])(--[a-z][-a-z0-9]*)");
+  for (auto it = std::sregex_iterator(text.begin(), text.end(), kFlag); it != std::sregex_iterator(); ++it)
+    flags.insert((*it)[2]);
+  return flags;
+}
+
+// Whatever names a command line to a person: pages, and the texts of the program. "palpate VERB ... --flag": the verb
+// has the flag.
+TEST_F(Verbs, CommandLinesThatAreToldHaveFlagsThatExist) {
+  std::map<std::string, std::set<std::string>> known;
+  for (const char* verb : {"touch",  "edit",      "recover",   "info",    "convert", "gradient", "filter", "render",
+                           "check",  "bench",     "stability", "devices", "serve",   "servo",    "ctl",    "top",
+                           "doctor", "calibrate", "plan",      "tune",    "scene",   "faults",   "sculpt"}) {
+    std::string help = run({verb, "--help"}).out;
+    static const std::regex kSub("(^|\\n)  ([a-z]+)  ");
+    const std::string own = help.substr(std::min(help.size(), help.find("Subcommands:")));
+    for (auto it = std::sregex_iterator(own.begin(), own.end(), kSub); it != std::sregex_iterator(); ++it)
+      help += run({verb, (*it)[2], "--help"}).out;
+    known[verb] = flagsIn(help);
+  }
+  const std::filesystem::path root = std::filesystem::path(PALPATE_DOCS).parent_path();
+  std::vector<std::filesystem::path> texts = {root / "README.md"};
+  for (const auto& entry : std::filesystem::directory_iterator(root / "docs"))
+    if (entry.path().extension() == ".md") texts.push_back(entry.path());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(root / "apps"))
+    if (entry.path().extension() == ".cpp") texts.push_back(entry.path());
+  static const std::regex kLine("palpate ([a-z]+)([^\\n`]*)");
+  int seen = 0;
+  for (const std::filesystem::path& text : texts) {
+    std::string words = contentsOf(text);
+    if (text.extension() == ".cpp") words = std::regex_replace(words, std::regex("\"\\s*\\n\\s*\""), "");  // one text
+    for (auto it = std::sregex_iterator(words.begin(), words.end(), kLine); it != std::sregex_iterator(); ++it) {
+      const auto verb = known.find((*it)[1]);
+      if (verb == known.end()) continue;
+      std::string rest = (*it)[2];
+      for (const char* end : {"; ", "'", "\"", " | ", " && ", "palpate ", "  "}) rest = rest.substr(0, rest.find(end));
+      for (const std::string& flag : flagsIn(rest)) {
+        EXPECT_TRUE(verb->second.contains(flag)) << text.filename() << ": palpate " << verb->first << rest;
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(seen, 100);
 }
 
 TEST_F(Verbs, ExamplesCanBeGivenToAShell) {

@@ -63,9 +63,11 @@ TEST(AskedStyle, HasWhatWasAskedFor) {
   EXPECT_EQ(style.other_opacity, 0.25);
   EXPECT_EQ(style.slice_black, 7);
   EXPECT_EQ(style.slice_white, -5);
-  EXPECT_TRUE(style.occlusion);
+  EXPECT_EQ(style.occlusion, DrawStyle{}.occlusion);
   EXPECT_FALSE(style.normals);
   request = {};
+  request.occlusion = true;
+  EXPECT_TRUE(styleOf(request, kStraight, kSize).occlusion);
   request.normals = true;
   style = styleOf(request, kStraight, kSize);
   EXPECT_TRUE(style.normals);

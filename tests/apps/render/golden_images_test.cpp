@@ -54,6 +54,7 @@ class GoldenImages : public testing::Test {
     request.width = 320;
     request.height = 240;
     request.view = {2.5, 0.2};
+    request.occlusion = true;  // as approved; it is off by default
     return request;
   }
   // Empty: there are no scans.

@@ -45,7 +45,7 @@ inline std::vector<TickRecord> sampleRecords(std::int64_t ticks, double rate_hz)
 
 inline TouchRun sampleRun() {
   TouchRun run;
-  run.scene.stiffness_N_per_m = kUsualStiffness_N_per_m;
+  run.scene.stiffness_N_per_m = stiffnessOf(Scene{});
   run.scene.volume = "phantom:sphere?size=64";
   run.scene.path_toward = Vec3(0, 0, -1);
   run.scene.objects.resize(2);

@@ -28,7 +28,7 @@ TEST(ViewChoice, ShowsAllAtFirst) {
   EXPECT_TRUE(style.clips.empty());
   EXPECT_TRUE(style.slices.empty());
   EXPECT_FALSE(style.other_isovalue.has_value());
-  EXPECT_TRUE(style.occlusion);
+  EXPECT_EQ(style, DrawStyle{});  // what is drawn by default has one owner
 }
 
 // At a quarter along each axis, both ways: of two points a tenth of a voxel before and behind it one is kept.
@@ -66,11 +66,11 @@ TEST(ViewChoice, HasASecondSurface) {
   ViewChoice choice;
   choice.second_isovalue = -300;
   choice.second_opacity = 0.2;
-  choice.occlusion = false;
+  choice.occlusion = true;
   const DrawStyle style = styleOf(choice, kLattice, kSize);
   EXPECT_EQ(style.other_isovalue, -300);
   EXPECT_EQ(style.other_opacity, 0.2);
-  EXPECT_FALSE(style.occlusion);
+  EXPECT_TRUE(style.occlusion);
 }
 
 TEST(ViewChoice, RefusesToLeaveNothing) {

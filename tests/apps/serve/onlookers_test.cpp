@@ -278,6 +278,11 @@ TEST(Onlookers, LeadTheToolWhereOneMovedLast) {
   EXPECT_EQ(all.takeAim(), std::nullopt);
   one.pointer.aim({0, 0, 0});
   EXPECT_EQ(all.takeAim(), Vec3(0, 0, 0));
+  const PointerTarget leap(Vec3(7, 8, 9), Vec3(7, 8, 10));
+  two.pointer.aim(leap);
+  EXPECT_EQ(all.takeAim(), leap);
+  one.pointer.aim(PointerTarget(Vec3(0, 0, 0), Vec3(0, 0, 1)));  // of a window whose pointer rests
+  EXPECT_EQ(all.takeAim(), std::nullopt);
   all.remove(one.onlooker);
   one.pointer.aim({9, 9, 9});
   EXPECT_EQ(all.takeAim(), std::nullopt);

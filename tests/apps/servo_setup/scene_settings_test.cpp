@@ -136,6 +136,76 @@ TEST(RigSettingsOfScene, EffectsThatCannotBeMadeAreRefused) {
   EXPECT_THAT(refusal(with({{"contact.stiffness_density", "5:1,4:1"}})), testing::HasSubstr("rising order"));
 }
 
+// Whoever makes a loop or settings without a scene, as the window does, gets what an empty scene asks for.
+TEST(ServoSetup, AnEmptySceneHasTheServosOwnDefaults) {
+  const Scene empty;
+  const LoopParameters loop = loopParameters(empty), own;
+  EXPECT_EQ(loop.rate_hz, own.rate_hz);
+  EXPECT_EQ(loop.ticks, own.ticks);
+  EXPECT_EQ(loop.require_real_time, own.require_real_time);
+  EXPECT_EQ(loop.velocity.name, own.velocity.name);
+  EXPECT_EQ(loop.velocity.cutoff_hz, own.velocity.cutoff_hz);
+  EXPECT_EQ(loop.velocity.noise_m, own.velocity.noise_m);
+  EXPECT_EQ(loop.safety.force_limit_N, own.safety.force_limit_N);
+  EXPECT_EQ(loop.safety.slew_limit_N_per_s, own.safety.slew_limit_N_per_s);
+  EXPECT_EQ(loop.safety.fade_s, own.safety.fade_s);
+  EXPECT_EQ(loop.safety.stale_window_s, own.safety.stale_window_s);
+  EXPECT_EQ(loop.safety.stall_s, own.safety.stall_s);
+  EXPECT_EQ(loop.safety.report_timeout_s, own.safety.report_timeout_s);
+  EXPECT_EQ(loop.passivity.control, own.passivity.control);
+  EXPECT_EQ(loop.instability.act, own.instability.act);
+  EXPECT_TRUE(rigSettings(empty, RigSettings{}.parameters.isovalue) == RigSettings{});
+}
+
+// Every option that a running servo may change: of a rig with its own defaults, it is at the scene's default.
+TEST(ServoSetup, TheOptionTableHasTheServosDefaults) {
+  const Scene empty, rig = withRigSettings({}, RigSettings{});
+  for (const SceneOption& option : sceneOptions()) {
+    const bool may_be_empty = option.key == std::string_view("isovalue") ||  // chosen from the volume
+                              option.key == std::string_view("servo.stiffness_N_per_m") ||
+                              option.key == std::string_view("servo.damping_Ns_per_m");  // or what a device bears
+    EXPECT_TRUE(may_be_empty || isSame(option.value, rig, empty)) << option.key;
+  }
+  EXPECT_EQ(stiffnessOf(empty), *rig.stiffness_N_per_m);
+  EXPECT_EQ(dampingOf(empty), *rig.damping_Ns_per_m);
+}
+
+// A default that its own option refuses could not be given.
+TEST(ServoSetup, DefaultsAreWithinTheirOptionsRanges) {
+  const Scene empty = withRigSettings({}, RigSettings{});
+  for (const SceneOption& option : sceneOptions()) {
+    const std::string text = optionText(option.value, empty);
+    Scene back;
+    if (text.empty()) continue;
+    EXPECT_NO_THROW(setOption(option.value, text, option.key, back, option.unit)) << option.key;
+  }
+  EXPECT_THAT(refusalOf([] { static_cast<void>(usualOfServo("servo.any")); }), testing::HasSubstr("servo.any: "));
+}
+
+// Of two who change different settings at once neither undoes the other's; of the same setting the last one counts.
+TEST(RigSettingsOfScene, OnlyWhatWasChangedIsChanged) {
+  Seeded random(7);
+  for (int i = 0; i < 300; ++i) {
+    const RigSettings before = anySettings(random);
+    RigSettings present = anySettings(random), wanted = before;
+    EXPECT_TRUE(withChanges(present, before, wanted) == present);
+    wanted.parameters.stiffness_N_per_m += 1;
+    RigSettings expected = present;
+    expected.parameters.stiffness_N_per_m = wanted.parameters.stiffness_N_per_m;
+    EXPECT_TRUE(withChanges(present, before, wanted) == expected);
+    wanted.effects.friction.dynamic_ratio += 1;  // and nothing follows from it
+    expected.effects.friction.dynamic_ratio = wanted.effects.friction.dynamic_ratio;
+    EXPECT_TRUE(withChanges(present, before, wanted) == expected);
+    wanted.haptization.density = {{1, 2, 3}};
+    wanted.effects.stiffness_by_density.clear();
+    expected.haptization.density = wanted.haptization.density;
+    if (!before.effects.stiffness_by_density.empty()) expected.effects.stiffness_by_density.clear();
+    EXPECT_TRUE(withChanges(present, before, wanted) == expected);
+    RigSettings all = withChanges(present, before, anySettings(random));
+    EXPECT_EQ(all.parameters.rate_hz, present.parameters.rate_hz);
+  }
+}
+
 TEST(ServoSetup, LoopTakesWhatTheSceneAsksFor) {
   Scene scene;
   scene.rate_hz = 1234;

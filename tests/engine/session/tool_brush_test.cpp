@@ -53,6 +53,24 @@ TEST(ToolBrush, StrokesShareTheirEndsAtAnySpeed) {
   }
 }
 
+// It touches here, and 40 mm further on, and was put there: no stroke leads from one to the other, however seldom the
+// engine looks.
+TEST(ToolBrush, NoStrokeGoesWhereTheToolLeapt) {
+  for (const int period : {1, 3, 7, 50}) {
+    ToolBrush tool = brush("remove:radius=2mm");
+    int strokes = 0;
+    for (int tick = 0; tick <= 200; tick += period) {
+      ToolPose pose = poseAt((tick < 100 ? 0 : 0.04) + tick * 1e-5, true);
+      pose.leaps = tick < 100 ? 3 : 4;
+      for (const EditCommand& stroke : tool.dueStroke(pose, tick * kTick_ns)) {
+        ++strokes;
+        EXPECT_LE((stroke.to_W - stroke.from_W).norm(), 2e-3) << period;
+      }
+    }
+    EXPECT_GT(strokes, 1) << period;
+  }
+}
+
 TEST(ToolBrush, OnlyATouchingToolEdits) {
   ToolBrush tool = brush("remove:radius=2mm");
   for (int tick = 0; tick < 98; ++tick)

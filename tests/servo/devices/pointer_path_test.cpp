@@ -138,6 +138,35 @@ TEST(PointerPath, FollowsOneBlockAfterAnother) {
   EXPECT_NEAR(led.path.position(3).x(), -1e-3, 1e-9);
 }
 
+// At once, from whatever speed, and at rest; then as from any place.
+TEST(PointerPath, LeapsWhereItIsPut) {
+  Led led(Vec3::Zero());
+  const PointerPath& path = led.path;
+  led.pointer.aim(Vec3(0.5, 0, 0));
+  for (int tick = 1; tick <= 100; ++tick) static_cast<void>(path.position(tick * 1e-3));
+  EXPECT_EQ(path.leaps(), 0U);
+  led.pointer.aim(PointerTarget(Vec3(0, 1e-3, 2), Vec3(0, 0, 2)));
+  EXPECT_EQ(path.position(0.101), Vec3(0, 0, 2));
+  EXPECT_EQ(path.leaps(), 1U);
+  const double t_s = 0.03, share = 1 - (1 + t_s / kTau_s) * std::exp(-t_s / kTau_s);
+  EXPECT_NEAR((path.position(0.101 + t_s) - Vec3(0, share * 1e-3, 2)).norm(), 0, 1e-12);
+  EXPECT_EQ(path.leaps(), 1U);
+}
+
+// Aims came after it before the path looked.
+TEST(PointerPath, OverlooksNoLeap) {
+  Led led(Vec3::Zero());
+  led.pointer.aim(PointerTarget(Vec3(1, 0, 0), Vec3(2, 0, 0)));
+  led.pointer.aim(Vec3(3, 0, 0));
+  EXPECT_EQ(led.path.position(1e-3), Vec3(2, 0, 0));
+  EXPECT_EQ(led.path.leaps(), 1U);
+  EXPECT_NEAR(led.path.position(5).x(), 3, 1e-9);
+  // What is no place is not followed, and a leap from there is none.
+  led.pointer.aim(PointerTarget(Vec3(4, 0, 0), Vec3(std::nan(""), 0, 0)));
+  EXPECT_NEAR(led.path.position(6).x(), 3, 1e-9);
+  EXPECT_EQ(led.path.leaps(), 1U);
+}
+
 // Without a pointer's end it stays where it is.
 TEST(PointerPath, RestsWithoutAPointer) {
   const PointerPath path(Vec3(1, 2, 3));

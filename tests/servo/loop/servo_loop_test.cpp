@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/error.hpp"
+#include "servo/devices/pointer_path.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "support/touch_scene.hpp"
 
@@ -205,6 +206,45 @@ TEST(ServoLoopSimulated, ADeviceThatDoesNotAnswerGetsAFadingForceAndComesBack) {
   EXPECT_LT(force(100), force(49));
   EXPECT_NEAR(force(125), force(49), 1e-3);
   EXPECT_TRUE(device.last_W.isZero(0));  // at the end of a run
+}
+
+// Pressed on one pole of a ball, the tool is put before the other one, and then below it; every algorithm has the ball
+// between the two places in its window. It feels nothing of the ball's inside: the contact is over within the tick, and
+// the force with the slew. Then it feels the other pole. A tool that goes the same way with a step of its path is
+// caught in the ball.
+TEST(ServoLoopSimulated, AToolThatLeapsFeelsNothingInBetween) {
+  const Vec3 middle_W = Vec3::Constant(31.3e-3);
+  for (const AlgorithmEntry& entry : algorithms()) {
+    TouchScene scene(0.4, entry.name);
+    scene.volume = millimetreVolume(ball(middle_W, 8e-3));
+    scene.algorithm = makeFor(entry.name, {}, scene.volume, 4e-3);
+    PointerPath path(middle_W + Vec3(0, 0, 10e-3));
+    PointerAimBlock aims;
+    PointerAim pointer(aims);
+    path.follow(aims);
+    SimulatedDevice device({}, path, 1000);
+    ServoLoop loop(simulated(600), *scene.algorithm, device, scene.windows, scene.tool);
+    std::vector<std::uint32_t> leaps;
+    const LoopResult run = loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
+      if (tick == 0) scene.publish(middle_W, now_ns);  // the whole ball and both places
+      scene.windows.confirm(now_ns);
+      leaps.push_back(scene.tool.latest().leaps);
+      if (tick == 10) pointer.aim(Vec3(middle_W + Vec3(0, 0, 7e-3)));
+      if (tick == 300) pointer.aim(PointerTarget(middle_W - Vec3(0, 0, 7e-3), middle_W - Vec3(0, 0, 10e-3)));
+    });
+    EXPECT_EQ(leaps[300], 0U) << entry.name;
+    EXPECT_EQ(leaps.back(), 1U) << entry.name;
+    const auto at = [&](std::size_t tick) -> const TickRecord& { return run.records[tick]; };
+    EXPECT_GT(at(299).force_W[2], 0.1) << entry.name;
+    EXPECT_LT(at(599).force_W[2], -0.1) << entry.name;
+    for (std::size_t tick = 300; tick < 600; ++tick) {
+      const Vec3 hip_W = asVec3(at(tick).hip_W), vhip_W = asVec3(at(tick).vhip_W);
+      EXPECT_TRUE(tick != 300 || hip_W == middle_W - Vec3(0, 0, 10e-3)) << entry.name;
+      EXPECT_FALSE(at(tick).in_contact && (hip_W - middle_W).norm() > 8.5e-3) << entry.name << ' ' << tick;
+      EXPECT_LE((hip_W - vhip_W).norm(), 1.5e-3) << entry.name << ' ' << tick;
+      EXPECT_FALSE(has(at(tick).faults, ServoFault::kDeviceError)) << entry.name << ' ' << tick;
+    }
+  }
 }
 
 TEST(ServoLoopSimulated, AFailedWriteIsFlagged) {
