@@ -552,10 +552,10 @@ TEST_F(Verbs, SayThatAMaskIsFeltAsStairs) {
   EXPECT_THAT(info.out, HasSubstr("few values   it holds 2 values (0, 1), so its surface is felt as stairs"));
   const std::string told = "palpate: mask.nrrd: it holds 2 values (0, 1), so its surface is felt as stairs";
   EXPECT_THAT(run(quickTouch("mask.nrrd")).err, HasSubstr(told));
-  EXPECT_THAT(run(quickTouch("mask.nrrd", {"--filter", "gaussian:1.5"})).err, Not(HasSubstr("stairs")));
+  EXPECT_THAT(run(quickTouch("mask.nrrd", {"--filter", "gaussian:1.5"})).err, testing::Not(HasSubstr("stairs")));
   expectSuccess(run({"filter", "mask.nrrd", "-o", "smooth.vdb", "--filter", "gaussian:1.5"}));
-  EXPECT_THAT(run({"info", "smooth.vdb"}).out, Not(HasSubstr("few values")));
-  EXPECT_THAT(run({"info", "phantom:sphere?size=24"}).out, Not(HasSubstr("few values")));
+  EXPECT_THAT(run({"info", "smooth.vdb"}).out, testing::Not(HasSubstr("few values")));
+  EXPECT_THAT(run({"info", "phantom:sphere?size=24"}).out, testing::Not(HasSubstr("few values")));
 }
 
 // docs/filters.md has the table of the code, row by row.
