@@ -19,6 +19,12 @@ BenchVolume::BenchVolume(const std::string& name) : BenchVolume(name, makePhanto
 BenchVolume::BenchVolume(const std::string& name, std::unique_ptr<Phantom> phantom)
     : SampledVolume(makeVolume(*phantom), phantom->isovalue()), name_(name), phantom_(std::move(phantom)) {}
 
+BenchVolume::BenchVolume(std::unique_ptr<Phantom> phantom, Volume samples, double isovalue,
+                         const GradientOperator& gradient_operator)
+    : SampledVolume(std::move(samples), isovalue, gradient_operator),
+      name_(phantom->spec().text),
+      phantom_(std::move(phantom)) {}
+
 std::string withNoise(const std::string& phantom, double noise_voxel, std::uint64_t seed) {
   if (noise_voxel == 0) return phantom;
   const std::unique_ptr<Phantom> exact = makePhantom(phantom);

@@ -18,6 +18,9 @@ namespace palpate {
 class BenchVolume : public SampledVolume {
  public:
   explicit BenchVolume(const std::string& name);  // "phantom:..."; throws Error as makePhantom does
+  // Other samples of the phantom's surface: a mask of it, or such a mask filtered. Their isosurface is at `isovalue`.
+  BenchVolume(std::unique_ptr<Phantom> phantom, Volume samples, double isovalue,
+              const GradientOperator& gradient_operator = {});
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] const Phantom& phantom() const noexcept { return *phantom_; }

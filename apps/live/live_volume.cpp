@@ -9,8 +9,10 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/convert/convert_job.hpp"
 #include "apps/load/load_and_tell.hpp"
+#include "apps/load/stair_words.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -64,6 +66,11 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
     first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));
   }
   checkIsovalue(*volume_, first_isovalue_);
+  const FilterGiven given = request.takes_filters ? FilterGiven::kAsOption : FilterGiven::kAsFile;
+  if (const std::string stairs = stairWords(*volume_, first_isovalue_, request.plan, given); !stairs.empty()) {
+    tellUser(volume_->facts().source + ": " + stairs);
+    tell_(stairs);
+  }
   const auto stopIfInterrupted = [this] { throwIfInterrupted(work_); };
   stopIfInterrupted();
   if (request.look) request.look(*volume_, first_isovalue_);

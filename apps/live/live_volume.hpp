@@ -42,6 +42,7 @@ struct LiveVolumeRequest {
   std::size_t undo_bytes = 256U << 20U;  // memory for undo
   bool outlives_its_engine = false;      // makeEngineAnew() may be called: EditSession::keepAbreast()
   std::string work = {};                 // names the verb in messages: "palpate sculpt"
+  bool takes_filters = true;  // its user may give filters; if not, a volume of few values is to be filtered as a file
 };
 
 class LiveVolume {

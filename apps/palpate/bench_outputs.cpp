@@ -12,6 +12,7 @@
 #include "apps/scene/scene_command.hpp"
 #include "apps/stability/stability_bench.hpp"
 #include "apps/study/error_bench.hpp"
+#include "apps/study/mask_bench.hpp"
 #include "apps/study/shard.hpp"
 #include "base/error.hpp"
 #include "base/nearest_word.hpp"
@@ -47,6 +48,7 @@ const std::vector<Bench>& everyBench() {
   static const std::vector<Bench> kAll = [] {
     std::vector<Bench> all = benches();
     all.push_back(errorBench());
+    all.push_back(maskBench());
     all.push_back(stabilityBench());
     all.push_back(planBench());
     return all;

@@ -7,6 +7,7 @@
 
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
+#include "apps/load/stair_words.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 #include "engine/field/statistics.hpp"
@@ -69,6 +70,14 @@ void printFacts(const Volume& volume) {
               volume.brickCount().prod(), inMiB(volume.storedBytes()));
 }
 
+// At the isovalue that is felt without --iso.
+void printStairs(const Volume& volume, const VolumeStatistics& statistics) {
+  if (statistics.suggestions.empty()) return;
+  const double isovalue = statistics.suggestions.front().isovalue;
+  const std::string words = stairWords(volume, isovalue, Plan{}, FilterGiven::kAsOption);
+  if (!words.empty()) printResult("  few values   {}\n", words);
+}
+
 void printHistogram(const Histogram& histogram) {
   const std::uint64_t most = *std::max_element(histogram.counts.begin(), histogram.counts.end());
   printResult("  histogram (length of a bar: logarithm of the voxel count)\n");
@@ -115,7 +124,9 @@ void addInfoVerb(CLI::App& app) {
     const Volume volume = loadVolume(*name);
     progress.done();
     printFacts(volume);
-    printStatistics(statisticsOf(volume, kBins));
+    const VolumeStatistics statistics = statisticsOf(volume, kBins);
+    printStairs(volume, statistics);
+    printStatistics(statistics);
   });
 }
 

@@ -25,10 +25,11 @@ Volume volumeOfDensity(const Vec3i& size, const Lattice& lattice, const std::str
   });
 }
 
-SampledVolume::SampledVolume(Volume volume, double isovalue)
+SampledVolume::SampledVolume(Volume volume, double isovalue, const GradientOperator& gradient_operator)
     : volume_(std::move(volume)),
       isovalue_(static_cast<float>(isovalue)),
-      samples_(reference::windowSamples(reference::denseField(volume_), Vec3i::Zero(), volume_.size())) {}
+      samples_(
+          reference::windowSamples(reference::denseField(volume_), Vec3i::Zero(), volume_.size(), gradient_operator)) {}
 
 DensityScale SampledVolume::scale() const noexcept {
   return {.contrast = maximum() - isovalue(), .voxel_m = voxel_m()};

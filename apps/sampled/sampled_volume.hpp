@@ -14,6 +14,7 @@
 
 #include "base/triangle_mesh.hpp"
 #include "engine/field/volume.hpp"
+#include "engine/gradient/gradient_operator.hpp"
 #include "engine/passes/window_pass.hpp"
 #include "servo/algorithms/transfer_function.hpp"
 #include "servo/window/sample_window.hpp"
@@ -28,7 +29,7 @@ namespace palpate {
 class SampledVolume {
  public:
   // `isovalue` is rounded to float, as in the program [density].
-  SampledVolume(Volume volume, double isovalue);
+  SampledVolume(Volume volume, double isovalue, const GradientOperator& gradient_operator = {});
 
   [[nodiscard]] double isovalue() const noexcept { return isovalue_; }                           // [density]
   [[nodiscard]] double maximum() const noexcept { return volume_.maximum(); }                    // [density]

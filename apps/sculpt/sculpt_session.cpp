@@ -60,7 +60,8 @@ SculptSession::SculptSession(const SculptRequest& request, Progress& progress)
                                   .journal = request.journal,
                                   .recovers = request.recovers,
                                   .undo_bytes = request.undo_bytes,
-                                  .work = "palpate sculpt"},
+                                  .work = "palpate sculpt",
+                                  .takes_filters = false},
                 progress, [this](const std::string& text) { tell(text); });
   const Volume& volume = live_->volume();
   Engine& engine = live_->engine();

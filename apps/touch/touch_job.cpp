@@ -12,6 +12,7 @@
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/load/load_and_tell.hpp"
+#include "apps/load/stair_words.hpp"
 #include "apps/report/html_report.hpp"
 #include "apps/report/summary.hpp"
 #include "apps/report/trace_csv.hpp"
@@ -372,6 +373,8 @@ void TouchJob::layPath() {
   const std::vector<std::string> start_notes = notesOnStart(objects_, path_->path.position(0));
   run_.notes.insert(run_.notes.end(), start_notes.begin(), start_notes.end());
   run_.object_outlines = objects_.outlines;
+  if (const auto stairs = stairWords(*volume_, isovalue_, plan_, FilterGiven::kAsOption); !stairs.empty())
+    warn(run_.volume.name + ": " + stairs);
   if (!hasPath(scene_)) return;
   if (const auto note = noteOnPlaneAge(run_.scene, path_->path, *surface_)) warn(*note);
 }

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/console/progress.hpp"
+#include "engine/files/volume_file.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -73,6 +74,33 @@ TEST_F(Live, AFileIsRefusedWhereTooManyEditsWait) {
   live_->close();
   ASSERT_EQ(outcomes_.size(), 2U);
   EXPECT_TRUE(outcomes_[1].written) << outcomes_[1].words;
+}
+
+// What a live volume of this name says, with the filters of its plan.
+std::vector<std::string> saidOf(const std::string& volume, const std::string& filter, bool takes_filters = true) {
+  std::vector<std::string> said;
+  Progress silent(nullptr);
+  const LiveVolume live({.volume = volume,
+                         .plan = makePlan({.filter = filter, .edits = true}),
+                         .work = "a test",
+                         .takes_filters = takes_filters},
+                        silent, [&](const std::string& words) { said.push_back(words); });
+  return said;
+}
+
+// A window and a service tell of it by the same words as `palpate touch`; a window has no filters.
+TEST(LiveMask, IsSaidToBeFeltAsStairs) {
+  const TemporaryFolder folder;
+  const std::string mask = (folder.path() / "mask.nrrd").string();
+  const Volume ball = loadVolume("phantom:sphere?size=24");
+  std::vector<float> values = ball.toDense();
+  for (float& value : values) value = value > 0 ? 1 : 0;
+  saveVolume(Volume::fromDense(ball.size(), ball.lattice(), values, {}), mask);
+  EXPECT_THAT(saidOf(mask, ""), testing::ElementsAre(HasSubstr("2 values (0, 1), so its surface is felt as stairs: "
+                                                               "--filter gaussian:1.5")));
+  EXPECT_THAT(saidOf(mask, "", false), testing::ElementsAre(HasSubstr("palpate filter IN -o smooth.vdb --filter")));
+  EXPECT_THAT(saidOf(mask, "gaussian:1.5"), testing::IsEmpty());
+  EXPECT_THAT(saidOf("phantom:sphere?size=24", ""), testing::IsEmpty());
 }
 
 }  // namespace live_volume_test

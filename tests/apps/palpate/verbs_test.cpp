@@ -12,6 +12,7 @@
 #include "apps/scene/option_table.hpp"
 #include "apps/sculpt/tick_recording.hpp"
 #include "engine/filter/filter_spec.hpp"
+#include "nrrd_bytes.hpp"
 #include "program_test.hpp"
 #include "tests/servo/support/seeded.hpp"
 #include "tests/support/long_run.hpp"
@@ -624,6 +625,22 @@ TEST_F(Verbs, CheckFiltersLeavesDistancesOutOfAVolumeOfOneDensity) {
   const Outcome outcome = run({"check", "filters", "flat.nrrd"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("distances are left out"));
+}
+
+// Programs and pages say the same words of a mask, and none of what was smoothed as they advise.
+TEST_F(Verbs, SayThatAMaskIsFeltAsStairs) {
+  NrrdBytes mask = ballNrrd();
+  for (float& value : mask.values) value = value > 0 ? 1 : 0;
+  write("mask.nrrd", mask.bytes());
+  const Outcome info = run({"info", "mask.nrrd"});
+  expectSuccess(info);
+  EXPECT_THAT(info.out, HasSubstr("few values   it holds 2 values (0, 1), so its surface is felt as stairs"));
+  const std::string told = "palpate: mask.nrrd: it holds 2 values (0, 1), so its surface is felt as stairs";
+  EXPECT_THAT(run(quickTouch("mask.nrrd")).err, HasSubstr(told));
+  EXPECT_THAT(run(quickTouch("mask.nrrd", {"--filter", "gaussian:1.5"})).err, testing::Not(HasSubstr("stairs")));
+  expectSuccess(run({"filter", "mask.nrrd", "-o", "smooth.vdb", "--filter", "gaussian:1.5"}));
+  EXPECT_THAT(run({"info", "smooth.vdb"}).out, testing::Not(HasSubstr("few values")));
+  EXPECT_THAT(run({"info", "phantom:sphere?size=24"}).out, testing::Not(HasSubstr("few values")));
 }
 
 // docs/filters.md has the table of the code, row by row.

@@ -73,6 +73,21 @@ std::vector<std::string> namesOf(const std::vector<StageTime>& stages) {
   return names;
 }
 
+// The volume's own words are a note of the run; with the filter that they name there is none.
+TEST_F(TouchJob, TellsThatAMaskIsFeltAsStairs) {
+  const Volume ball = loadVolume(kVolume);
+  std::vector<float> values = ball.toDense();
+  for (float& value : values) value = value > 0 ? 1 : 0;
+  saveVolume(Volume::fromDense(ball.size(), ball.lattice(), values, {}), file("mask.nrrd"));
+  scene_.volume = file("mask.nrrd");
+  scene_.out = file("stairs");
+  EXPECT_THAT(touch().notes,
+              Contains(HasSubstr("mask.nrrd: it holds 2 values (0, 1), so its surface is felt as stairs")));
+  scene_.filter = "gaussian:1.5";
+  scene_.out = file("smooth");
+  EXPECT_THAT(touch().notes, ::testing::Not(Contains(HasSubstr("stairs"))));
+}
+
 TEST_F(TouchJob, TellsAllOfARun) {
   scene_.picture = true;
   scene_.image_width = 480;
