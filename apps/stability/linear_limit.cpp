@@ -5,7 +5,7 @@
 #include <cmath>
 #include <span>
 
-#include "servo/algorithms/edit_ease.hpp"
+#include "servo/contact/edit_ease.hpp"
 
 namespace palpate {
 namespace {

@@ -19,8 +19,9 @@ constexpr std::string_view kMagic = "PALPREC2";
 constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
-constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0xffffff;
+constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0x7fffff;
 constexpr unsigned kOffShift = 24, kRefusedShift = 28;  // why there is no force, and why no calibration, lie in the
+constexpr std::uint32_t kLeapt = 0x800000;              // the highest bit of the periods
 constexpr std::uint32_t kMostOff = 0xf;                 // high byte of the periods
 constexpr std::uint8_t kFollows = 1, kIsHeld = 2, kSetsPace = 4, kMoves = 8;  // what is true of the device
 constexpr double kMostRate_hz = 20000;                                        // ServoLoop's
@@ -96,7 +97,7 @@ bool sameBits(const Vec3& a, const Vec3& b) {
 void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W) {
   const bool moved = !sameBits(tick.position_W, before_W);
   const bool edge = tick.boundary.stored_J != 0 || !tick.boundary.force_W.isZero(0);
-  const bool unusual = tick.elapsed_ticks != kUsualElapsed || tick.force_off != ForceOff::kNone ||
+  const bool unusual = tick.elapsed_ticks != kUsualElapsed || tick.force_off != ForceOff::kNone || tick.leapt ||
                        tick.refused != CalibrationRefusal::kNone;
   const auto flag = [](bool on, std::uint8_t bit) { return on ? bit : std::uint8_t{0}; };
   put(bytes, static_cast<std::uint8_t>(flag(tick.answered, kAnswered) | flag(moved, kMoved) |
@@ -105,7 +106,7 @@ void putTick(std::string& bytes, const RecordedTick& tick, const Vec3& before_W)
                                        flag(tick.pressed, kSwitchOn) | flag(unusual, kElapsed)));
   if (unusual) {
     const auto periods = static_cast<std::uint32_t>(std::min(tick.elapsed_ticks, kMostElapsed));
-    put(bytes, periods | static_cast<std::uint32_t>(tick.force_off) << kOffShift |
+    put(bytes, periods | (tick.leapt ? kLeapt : 0) | static_cast<std::uint32_t>(tick.force_off) << kOffShift |
                    static_cast<std::uint32_t>(tick.refused) << kRefusedShift);
   }
   if (moved) put(bytes, tick.position_W);
@@ -125,6 +126,7 @@ RecordedTick takeTick(Taker& taker, Vec3& position_W) {
   tick.held_differs = has(kHeld);
   const auto periods = has(kElapsed) ? taker.take<std::uint32_t>() : std::uint32_t{kUsualElapsed};
   tick.elapsed_ticks = static_cast<std::int32_t>(periods & std::uint32_t{kMostElapsed});
+  tick.leapt = (periods & kLeapt) != 0;
   tick.force_off = static_cast<ForceOff>(periods >> kOffShift & kMostOff);
   tick.refused = static_cast<CalibrationRefusal>(periods >> kRefusedShift);
   if (has(kMoved)) position_W = taker.takeVector();

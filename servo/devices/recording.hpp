@@ -18,6 +18,7 @@ struct RecordedTick {
   std::int32_t elapsed_ticks = 0;  // grid periods since the last one
   bool answered = false;           // read() gave a position
   bool pressed = false;            // the handle's switch
+  bool leapt = false;              // the tool was put there, and did not go there
   bool taken = true;               // write() took the force
   bool held_differs = false;       // held() was another force than the one that was written
   ForceOff force_off = ForceOff::kNone;

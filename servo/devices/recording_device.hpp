@@ -28,6 +28,7 @@ class RecordingDevice final : public Device {
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
   [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override { return now_->refused; }
   [[nodiscard]] bool pressed() const noexcept override { return device_->pressed(); }
+  [[nodiscard]] bool leapt() noexcept override { return now_->leapt = device_->leapt(); }
   void beginAnew() noexcept override { device_->beginAnew(); }
   void endRun() noexcept override;
   [[nodiscard]] DeviceBoundary boundary() const noexcept override;
@@ -63,6 +64,7 @@ class RecordedDevice final : public Device {
   [[nodiscard]] std::int64_t reportAge_ns() const noexcept override;
   [[nodiscard]] CalibrationRefusal refusedCalibration() const noexcept override { return tick().refused; }
   [[nodiscard]] bool pressed() const noexcept override { return tick().pressed; }
+  [[nodiscard]] bool leapt() noexcept override { return is_new_ && tick().leapt; }
   [[nodiscard]] DeviceBoundary boundary() const noexcept override { return tick().boundary; }
   [[nodiscard]] bool write(const Vec3& force_W) noexcept override { return force_W.allFinite() && tick().taken; }
   [[nodiscard]] Vec3 held(const Vec3& force_W) const noexcept override {

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "servo/algorithms/algorithm.hpp"
-#include "servo/algorithms/edit_ease.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/devices/device.hpp"
 #include "servo/loop/instability_guard.hpp"
 #include "servo/loop/live_ticks.hpp"

@@ -390,7 +390,6 @@ TEST(Effects, NamesAreThoseOfTheEffectsThatAreMade) {
 // said, and where the bumps are high nearly so much.
 TEST(Effects, StiffenTheContactByNoMoreThanTheySay) {
   Seeded random(31);
-  SampleWindow none;
   for (const double factor : {0.0, 3.0}) {  // of a table; 0: none
     EffectParameters p{.texture = TextureKind::kProcedural, .texture_amplitude_m = 0.1e-3};
     if (factor > 0) p.stiffness_by_density = {{0, 0.5}, {1, factor}};
@@ -406,7 +405,10 @@ TEST(Effects, StiffenTheContactByNoMoreThanTheySay) {
         contact.plane = {Vec3(at_W.x(), at_W.y(), 0), Vec3(0, 0, 1), 0};
         contact.hip_W = Vec3(at_W.x(), at_W.y(), -deep_m);
         contact.on_volume = false;
-        contact.window = &none;
+        contact.felt.p_W = contact.plane.p_W;
+        contact.felt.normal_W = contact.plane.normal_W;
+        contact.felt.depth_m = deep_m;
+        contact.felt.shape = ShapeOperator(contact.plane.normal_W);
         ContactPush push{.vhip_W = contact.plane.p_W, .energy_m2 = 0.5 * deep_m * deep_m};
         effects.front()->move(contact, push);
         return push.vhip_W.z() + deep_m;

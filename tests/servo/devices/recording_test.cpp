@@ -43,6 +43,7 @@ Recording anyRecording(unsigned seed, int ticks) {
     if (random.pick(4) == 0) t.force_off = static_cast<ForceOff>(random.pick(7));
     if (random.pick(4) == 0) t.refused = static_cast<CalibrationRefusal>(random.pick(4));
     t.pressed = random.pick(2) == 0;
+    t.leapt = random.pick(5) == 0;
     t.taken = random.pick(5) != 0;
     if (random.pick(2) == 0) at = random.inCube(1);
     if (random.pick(9) == 0) at.x() = -0.0;
@@ -65,7 +66,8 @@ bool same(const RecordedTick& a, const RecordedTick& b) {
     return std::equal(u.data(), u.data() + 3, v.data(), equal);
   };
   return a.elapsed_ticks == b.elapsed_ticks && a.force_off == b.force_off && a.refused == b.refused &&
-         a.answered == b.answered && a.pressed == b.pressed && a.taken == b.taken && a.held_differs == b.held_differs &&
+         a.answered == b.answered && a.pressed == b.pressed && a.leapt == b.leapt &&
+         a.taken == b.taken && a.held_differs == b.held_differs &&
          a.report_age_ns == b.report_age_ns && bits(a.position_W, b.position_W) && bits(a.held_W, b.held_W) &&
          bits(a.boundary.force_W, b.boundary.force_W) && a.boundary.stored_J == b.boundary.stored_J;
 }

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "changing_press.hpp"
-#include "servo/algorithms/edit_ease.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/safety/faults.hpp"
 #include "support/seeded.hpp"
 #include "wall_trials.hpp"
