@@ -204,7 +204,7 @@ class Doctor {
          allowed ? "give the container or unit the right to it (CAP_SYS_NICE)" : kHowToRealTime);
   }
 
-  // Of a servo in a process of its own (palpate servo, --service); no force depends on it.
+  // Of a servo in a process of its own; no force depends on it.
   void lookAtRights() {
     const bool has_filters = hasCallFilters(), has_fence = landlockVersion() > 0;
     if (has_filters && has_fence)

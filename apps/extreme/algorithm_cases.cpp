@@ -4,6 +4,7 @@
 
 #include "apps/bench/random.hpp"
 #include "apps/extreme/ground.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/algorithms/registry.hpp"
 
 namespace palpate {
@@ -86,14 +87,14 @@ ExtremeOutcome feelsWith(const std::string& name, const Ground& ground) {
   return judge.raisesNoFadingFault().outcome();
 }
 
-// From one algorithm to another while the hand rests in contact. The new one takes the contact over: afterwards the
-// force is its own, which for one with a surface is K times the exact depth.
+// From one algorithm to another while the hand rests in contact. The new one takes the contact over: afterwards, at most
+// EditEase::kTime_s later, the force is its own, which for one with a surface is K times the exact depth.
 ExtremeOutcome takesOver(const std::string& from, const std::string& to) {
   const Ground ground;
   RoughRun run = pressOn(ground.sampled(), ground);
   run.algorithm = from;
   run.changes = {{350, to}};
-  run.seconds = 0.7;
+  run.seconds = 1.1 * (0.35 + EditEase::kTime_s) + 0.1;  // the last tenth is judged
   Judge judge(run, play(run));
   if (algorithmEntry(to).traits.shows_surface) judge.feels(ground.plane, placeError_m(ground));
   return judge.raisesNoFadingFault().outcome();

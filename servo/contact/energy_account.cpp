@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace palpate {
 namespace {
@@ -32,7 +33,11 @@ double EnergyAccount::planeGiven(const Vec3& way_W, const Vec3& plane_W, double 
 
 Vec3 EnergyAccount::settle(const ContactState& contact, const ContactPush& push) noexcept {
   const Vec3 way_W = contact.hip_W - last_hip_W_;
-  if (contact.new_contact || !isTickMotion(way_W) || !std::isfinite(push.energy_m2) || !std::isfinite(put_in_m2_)) {
+  // A first step whose work is large beside all that is stored is too coarse for the trapezoid rule.
+  const bool again = std::exchange(just_opened_, contact.new_contact) &&
+                     largest_m2_ < kFirstStep * std::abs((push.vhip_W - contact.hip_W).dot(way_W));
+  if (contact.new_contact || again || !isTickMotion(way_W) || !std::isfinite(push.energy_m2) ||
+      !std::isfinite(put_in_m2_)) {
     open(contact, push);
     return push.vhip_W;
   }

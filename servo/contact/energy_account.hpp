@@ -19,7 +19,9 @@
 //   tool along the surface is cancelled.
 // - Weakening: d is multiplied by (E + kFree of the largest energy stored) / U if that is less than 1. So by the end of
 //   a contact the effects have given at most that kFree part, and the work of one tick's force.
-// A wrong reading (isTickMotion) opens a new account.
+// The account opens with what the first tick of a contact stores. If that is less than half of the second tick's work, it
+// opens with the second: else a contact that begins exactly on the surface would owe the error of its first step, and be
+// weak to its end. A wrong reading (isTickMotion) opens a new account, too.
 // Source: passivity observer and controller (Hannaford and Ryu, 2002), here with the energy that the potentials give.
 // Energies are divided by K: [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
 #pragma once
@@ -30,6 +32,7 @@ namespace palpate {
 
 class EnergyAccount {
  public:
+  static constexpr double kFirstStep = 0.5;  // of the second tick's work [-]
   static constexpr double kFree = 0.0025;    // share of the largest stored energy that may be given [-]
   static constexpr double kRepayments = 8;   // how many times the debt a motion of one depth pays back [-]
   static constexpr double kShare = 0.1;      // how much of a change of drag or plane_given_m2_ a tick takes over [-]
@@ -43,6 +46,7 @@ class EnergyAccount {
   void open(const ContactState& contact, const ContactPush& push) noexcept;
   [[nodiscard]] double planeGiven(const Vec3& way_W, const Vec3& plane_W, double stiffness) noexcept;
 
+  bool just_opened_ = false;  // this contact's first tick was the last
   SlidingSpring drag_;
   Vec3 last_hip_W_ = Vec3::Zero();
   Vec3 last_d_W_ = Vec3::Zero();      // as settle() gave it

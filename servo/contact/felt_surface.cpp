@@ -9,6 +9,7 @@
 namespace palpate {
 namespace {
 
+constexpr double kPatch = 0.5;      // what the first patch of a contact counts as [voxel]
 constexpr double kPointLevers = 2;  // in a groove: the point errs by as much as an angle over so many voxels
 constexpr double kMeanPoint = 3;   // times the roughness: share of the mean of the points in the depth [-]
 constexpr double kRougher = 0.5;  // share by which the roughness follows over a voxel [-]
@@ -82,14 +83,14 @@ void FeltSurface::measure(const Contact& contact, const Vec3& way_W) noexcept {
       lever_ = std::max(lever_, contact.sharpness * levers * curvature.unevenness);
     }
   }
-  const double length = std::min(kSmoothed * lever_, kLongest);
+  const double length = std::clamp(kSmoothed * (lever_ - kSmooth), 0.0, kLongest);
   felt_.roughness += kRougher * std::min(1.0, way_voxels) * (length / kLongest - felt_.roughness);
   // What was seen since the contact began is all that there is to smooth with.
   slid_voxels_ += aside_voxels;
-  const double seen_voxels = std::min(slid_voxels_, 2 * kLongest);
-  trust_ = 2 * length > 0 ? seen_voxels / (seen_voxels + 2 * length) : 1;
-  const double share = way_voxels / (way_voxels + std::min(length, slid_voxels_));
-  const double slow = way_voxels / (way_voxels + std::min(2 * length, slid_voxels_));
+  const double seen_voxels = std::min(kPatch + slid_voxels_, 2 * kLongest);
+  trust_ = seen_voxels / (seen_voxels + 2 * length);
+  const double share = way_voxels / (way_voxels + std::min(length, seen_voxels));
+  const double slow = way_voxels / (way_voxels + std::min(2 * length, seen_voxels));
   const Vec3 turn_W = share * (normal_W - form_.normal_W);
   const Mat3 bend_W = slow * (S_W - form_.S_W);
   form_.normal_W = (form_.normal_W + turn_W).normalized();

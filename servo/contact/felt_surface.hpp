@@ -7,7 +7,7 @@
 // - In each tick the patch under the tool is measured (surface_patch.hpp), at the place where the felt normal meets the
 //   plane of the algorithm.
 // - On a smooth surface the measure is taken as it is. On an uneven one it is smoothed over the way of the tool: the
-//   length is kSmoothed times the lever D s of the unevenness s, at most kLongest voxels. Meanwhile the normal goes on
+//   length is kSmoothed times what the lever D s of the unevenness s has beyond kSmooth, at most kLongest voxels. Meanwhile the normal goes on
 //   turning by the curvature that was found so far, so on a curved surface it does not lag.
 // - At rest the way grows by kRest voxels a second, so that an error is not felt for ever.
 // - What an edit turns is taken in evenly over EditEase::kTime_s, as the algorithm takes in the depth that it adds.
@@ -40,6 +40,7 @@ struct FeltPoint {
 class FeltSurface {
  public:
   static constexpr double kSmoothed = 6;  // length of smoothing, in levers [-]
+  static constexpr double kSmooth = 0.01;  // lever that sampling gives a smooth surface, too [voxel]
   static constexpr double kLongest = 6;   // [voxel]
   static constexpr double kRest = 10;     // [voxel/s]
   static constexpr double kForget = 8;    // way over which an uneven place is remembered [voxel]

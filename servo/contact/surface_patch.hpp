@@ -31,7 +31,7 @@ class SurfacePatch {
     return std::clamp(kSpread * depth_voxels, kLeastSpread, kMostSpread);
   }
 
-  // Around `p_W`, which is on the surface or near it. `normal_W`: about the normal there.
+  // Around `p_W`, which is on the surface or near it, in a sampler that has a window. `normal_W`: about the normal there.
   SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W, double spread_voxels) noexcept;
 
   // From the point to the points ahead, for each axis [m].

@@ -181,13 +181,13 @@ TEST_F(HidTouch, SaysWhyThereIsNoDevice) {
 // Whoever did not check the motors feels less than 1 N, and is told so; the same hand feels more with them checked.
 TEST_F(HidTouch, StaysBelowANewtonUntilTheMotorsAreChecked) {
   const std::string ball = "phantom:sphere?size=32";
-  writeWay(ball, 0.6, 6);
+  writeWay(ball, 1.5, 6);  // a held device has all its force after a second
   const auto largest_N = [&](bool checked) {
     motors_checked_ = checked;
     std::filesystem::remove_all(file("state"));
     const Outcome outcome =
         on({"--path", "way.csv", "--log", "log.txt"}, Words{"touch", ball, "--clock", "simulated", "--picture", "off",
-                                                            "--seconds", "0.6", "--stiffness", "500", "--out", "out"} +
+                                                            "--seconds", "1.5", "--stiffness", "500", "--out", "out"} +
                                                           kArmInTheMiddle);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     const bool is_told = outcome.err.find(

@@ -89,8 +89,8 @@ TEST_F(Verbs, AReplayIsTakenByTheProgram) {
         run(words + Words{"--clock", "simulated", "--picture", "off", "--out", "out" + std::to_string(i)});
     EXPECT_EQ(outcome.status, 0) << line << '\n' << outcome.err;
     const auto summary = nlohmann::json::parse(contentsOf(file("out" + std::to_string(i)) / "summary.json"));
-    EXPECT_EQ(summary.at("parameters").at("contact.friction_static"), 0.6) << line;
-    EXPECT_EQ(summary.at("parameters").at("isovalue"), felt.parameters.isovalue) << line;
+    EXPECT_EQ(summary.at("scene").at("contact").at("friction_static"), 0.6) << line;
+    EXPECT_EQ(summary.at("volume").at("isovalue_density"), felt.parameters.isovalue) << line;
   }
 }
 

@@ -159,7 +159,7 @@ TEST_F(RemoteRig, ChangesInTheSameTicks) {
 
 TEST_F(RemoteRig, RunsByTheRealClock) {
   scene.simulated_clock = false;
-  scene.duration_s = 0.5;
+  scene.duration_s = 1;
   Host host;
   RemoteServo servo(host.takeChannel(), {.scene = scene, .box = {}, .way = &*path, .window_samples = 32 * 32 * 32});
   Engine engine(volume, makePlan(other_isovalues), phantom->isovalue(), "");
@@ -172,7 +172,7 @@ TEST_F(RemoteRig, RunsByTheRealClock) {
   rig.change(next);
   const LoopResult run = rig.wait();
   EXPECT_GT(run.first_due_ns, 0);
-  EXPECT_EQ(run.ticks_run + run.ticks_skipped, 500);
+  EXPECT_EQ(run.ticks_run + run.ticks_skipped, 1000);
   EXPECT_TRUE(run.released);
   std::int64_t contact = 0;
   for (const TickRecord& record : run.records) contact += record.in_contact ? 1 : 0;
@@ -180,7 +180,7 @@ TEST_F(RemoteRig, RunsByTheRealClock) {
   // The stiffness that came later: 100 N/m, and 0.5 N s/m times a speed of some millimetres a second.
   const TickRecord& last = run.records.back();
   EXPECT_NEAR(asVec3(last.force_W).norm(), 100 * last.depth_m, 0.02);
-  EXPECT_GT(last.depth_m, 1e-3);
+  EXPECT_GT(last.depth_m, 0.9e-3);
 }
 
 // The engine's side vanishes in contact: the servo brings the force to zero, and says who is gone.
@@ -350,9 +350,9 @@ class StayingServo : public RemoteRig {
       if (poses.empty() || poses.back().tick != pose.tick) poses.push_back(pose);
       if (pose.window_version >= servo.firstVersion() && pose.force_W.norm() > 0.1) ++ticks_in_contact;
     });
-    for (int waited = 0; ticks_in_contact < 200 && waited < 5000; ++waited)
+    for (int waited = 0; ticks_in_contact < 700 && waited < 5000; ++waited)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    EXPECT_GE(ticks_in_contact, 200);
+    EXPECT_GE(ticks_in_contact, 700);  // what a new engine adds comes in within EditEase::kTime_s
     for (int change = 1; change <= changes; ++change) {
       ServoChange next;
       next.force_limit_N = 3 + 0.1 * change;

@@ -160,6 +160,8 @@ TEST_F(Rig, TakesEverySettingWhileItRuns) {
 // settings. The force is min(K D, limit), with D to the 2 % of sampling.
 TEST_F(Rig, RandomChangesEndAsTheLastOneSays) {
   const char* const names[] = {"hri", "blezek", "implicit"};
+  // After the last change, the one under way and the last may each take EditEase::kTime_s.
+  loop.ticks = 700 + 2 * 500 + 100;
   for (unsigned seed = 0; seed < 30; ++seed) {
     Seeded random(seed);
     TouchRig one = rig();
@@ -285,6 +287,8 @@ TEST_F(OtherIsovalue, IsLeftWithItsOwnSamplesAlone) {
 // Sliders that are pulled about: of all isovalues the last one is felt, with the settings that came with it or later.
 TEST_F(OtherIsovalue, TheLastOfManyIsFelt) {
   const char* const names[] = {"hri", "blezek", "implicit"};
+  // After the last change, those under way, of the settings and of the isovalue, may each take EditEase::kTime_s.
+  loop.ticks = 500 + 3 * 500 + 200;
   for (unsigned seed = 0; seed < 20; ++seed) {
     Seeded random(seed);
     Engine own(volume, makePlan({}), phantom->isovalue(), "");

@@ -141,6 +141,14 @@ TEST(EnergyAccount, AContactThatBeginsOnTheSurfaceIsWhole) {
         const Vec3 hip(0, 0, -first_m - i * step_m);
         ASSERT_NEAR(account.press(hip).z(), -hip.z(), 1e-12) << first_m << " " << step_m << " " << i;
       }
+      // What stores a tenth more than the first step's work, as a steep bump does, neither owes nor gives it.
+      Account bump;
+      for (int i = 0; i < 40; ++i) {
+        const Vec3 hip(0, 0, -first_m - i * step_m);
+        const double energy_m2 = 0.5 * hip.z() * hip.z() + (i > 0 ? 0.05 * step_m * step_m : 0);
+        ASSERT_NEAR(bump.at(hip, Vec3(0, 0, -hip.z()), energy_m2).z(), -hip.z(), 0.01 * -hip.z() + 1e-12)
+            << first_m << " " << step_m << " " << i;
+      }
     }
   }
 }

@@ -103,7 +103,7 @@ TEST_F(LoopFaults, AChangedForceLimitIsBoundedByNothingWhereTheDeviceSaysNothing
   device.force_limit_N = 0;
   parameters.safety.force_limit_N = 2;
   const LoopResult result = run(150, {});
-  EXPECT_NEAR(force(result, 0), 2 + 10 / 100.0, 1e-12);  // the first of a tenth of a second's ticks
+  EXPECT_NEAR(force(result, 0), 2 + 10 / 500.0, 1e-12);  // the first tick of EditEase::kTime_s: it grows
   EXPECT_EQ(force(result, 149), 4);
 }
 
