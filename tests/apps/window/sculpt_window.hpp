@@ -36,6 +36,7 @@ inline constexpr int kIsovalueX = 95, kIsovalueY = 449;
 inline constexpr int kStrengthX = 95, kStrengthY = 266;
 inline constexpr int kStiffnessX = 1078, kStiffnessY = 79;
 inline constexpr int kSecondX = 21, kSecondY = 622;
+inline constexpr int kFirstEditX = 1100, kFirstEditY = 423;  // of the list: blue once there is one
 
 inline int ballPixels(const Screen& screen, const Rectangle& within = kUpper) {
   int pixels = 0;

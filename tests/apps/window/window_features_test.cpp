@@ -140,7 +140,7 @@ TEST_F(OnADesktop, DrillsAndTurnsByTheKeyboardAlone) {
   desktop->does({"mousemove", "100", "680"});
   ASSERT_TRUE(isStill());
   desktop->does({"keydown", "space"});
-  ASSERT_TRUE(waitUntil([&] { return desktop->look().at(1100, 388)[2] > 90; }));  // an edit in the list
+  ASSERT_TRUE(waitUntil([&] { return desktop->look().at(kFirstEditX, kFirstEditY)[2] > 90; }));  // an edit in the list
   desktop->does({"keydown", "Right"});
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   desktop->does({"keyup", "Right", "keyup", "space"});
@@ -279,7 +279,7 @@ TEST_F(OnADesktop, LosesNothingWhenItIsEndedInTheMiddleOfAStroke) {
   ASSERT_TRUE(showsBall()) << program->said();
   desktop->moves(kMiddleX, kMiddleY);
   desktop->does({"mousedown", "1"});
-  ASSERT_TRUE(waitUntil([&] { return desktop->look().at(1100, 388)[2] > 90; }));  // an edit in the list
+  ASSERT_TRUE(waitUntil([&] { return desktop->look().at(kFirstEditX, kFirstEditY)[2] > 90; }));  // an edit in the list
   endsWell();
   const std::vector<LeftSession> left = leftSessions(journals());
   ASSERT_EQ(left.size(), 1U);
