@@ -4,8 +4,8 @@
 
 #include "apps/bench/random.hpp"
 #include "apps/extreme/ground.hpp"
-#include "servo/contact/edit_ease.hpp"
 #include "servo/algorithms/registry.hpp"
+#include "servo/contact/edit_ease.hpp"
 
 namespace palpate {
 namespace algorithm_cases {
@@ -87,8 +87,8 @@ ExtremeOutcome feelsWith(const std::string& name, const Ground& ground) {
   return judge.raisesNoFadingFault().outcome();
 }
 
-// From one algorithm to another while the hand rests in contact. The new one takes the contact over: afterwards, at most
-// EditEase::kTime_s later, the force is its own, which for one with a surface is K times the exact depth.
+// From one algorithm to another while the hand rests in contact. The new one takes the contact over: afterwards, at
+// most EditEase::kTime_s later, the force is its own, which for one with a surface is K times the exact depth.
 ExtremeOutcome takesOver(const std::string& from, const std::string& to) {
   const Ground ground;
   RoughRun run = pressOn(ground.sampled(), ground);

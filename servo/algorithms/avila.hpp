@@ -26,8 +26,8 @@
 #include <optional>
 
 #include "servo/algorithms/algorithm.hpp"
-#include "servo/contact/edit_ease.hpp"
 #include "servo/algorithms/field_cache.hpp"
+#include "servo/contact/edit_ease.hpp"
 
 namespace palpate {
 

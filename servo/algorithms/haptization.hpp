@@ -21,9 +21,9 @@
 #include <optional>
 
 #include "servo/algorithms/algorithm.hpp"
-#include "servo/contact/edit_ease.hpp"
 #include "servo/algorithms/field_cache.hpp"
 #include "servo/algorithms/transfer_function.hpp"
+#include "servo/contact/edit_ease.hpp"
 
 namespace palpate {
 

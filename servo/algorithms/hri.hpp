@@ -11,7 +11,8 @@
 // - Contact ends when the HIP is in front of the sheet that it touched, not when the density at the HIP says so. So a
 //   press through a thin wall does not lose the wall. Free motion is searched along its whole path, so no stroke jumps
 //   a wall.
-// - If the surface cannot be found again with the HIP in the object, the nearest way out that does not lead back through
+// - If the surface cannot be found again with the HIP in the object, the nearest way out that does not lead back
+// through
 //   the object is taken. Without one kSurfaceLost fades the force until the HIP has
 //   been outside. If the surface could not be followed as far as the HIP went, kPlaneBehind fades the force until it
 //   has been, with one search a tick.
@@ -47,8 +48,8 @@ class HriSurface {
   static constexpr double kLongestGap = 16;  // longest gap of free motion beyond the window that is searched [voxel]
   static constexpr double kOutwardSearch = IsoField::kLongestWayOut;  // from a buried HIP along N [voxel]
   static constexpr double kMostBackward = -0.25;  // of a way out, along the normal of a sheet that is lost [-]
-  static constexpr double kAim = 1.0 / 3;        // how far ahead a plane is found, as a share of its life [-]
-  static constexpr double kLongestAim = 1;       // longest lead; a jump of the tool predicts nothing [voxel]
+  static constexpr double kAim = 1.0 / 3;         // how far ahead a plane is found, as a share of its life [-]
+  static constexpr double kLongestAim = 1;        // longest lead; a jump of the tool predicts nothing [voxel]
   static constexpr double kAimInReach = 0.5;     // longest lead, as a share of the distance for which a plane holds [-]
   static constexpr double kAimTolerance = 0.05;  // SurfaceTracker::Limits::line_tolerance for a predicted HIP [voxel]
   // How wrong a plane may be before its n ticks are over. On a surface of radius R, at depth D, a lateral motion w

@@ -29,8 +29,8 @@
 #include <utility>
 
 #include "servo/algorithms/algorithm.hpp"
-#include "servo/contact/edit_ease.hpp"
 #include "servo/contact/contact_effect.hpp"
+#include "servo/contact/edit_ease.hpp"
 #include "servo/contact/energy_account.hpp"
 #include "servo/objects/object_contacts.hpp"
 #include "servo/safety/faults.hpp"

@@ -25,13 +25,13 @@
 namespace palpate {
 
 struct ContactState {
-  Vec3 hip_W = Vec3::Zero();             // [m]
-  Vec3 hip_velocity_W = Vec3::Zero();    // [m/s]
-  ContactPlane plane;                    // if several planes hold the tool: through the VHIP, normal from the HIP to it
-  bool new_contact = false;              // first tick of a contact
-  bool single_plane = true;              // one plane alone holds the tool
-  bool on_volume = true;                 // only the volume's isosurface holds it, no other object
-  FeltPoint felt;                        // all that effects know of the surface under the tool
+  Vec3 hip_W = Vec3::Zero();           // [m]
+  Vec3 hip_velocity_W = Vec3::Zero();  // [m/s]
+  ContactPlane plane;                  // if several planes hold the tool: through the VHIP, normal from the HIP to it
+  bool new_contact = false;            // first tick of a contact
+  bool single_plane = true;            // one plane alone holds the tool
+  bool on_volume = true;               // only the volume's isosurface holds it, no other object
+  FeltPoint felt;                      // all that effects know of the surface under the tool
 };
 
 // The contact as the plane and the effects so far have made it.

@@ -19,11 +19,11 @@
 //   tool along the surface is cancelled.
 // - Weakening: d is multiplied by (E + kFree of the largest energy stored) / U if that is less than 1. So by the end of
 //   a contact the effects have given at most that kFree part, and the work of one tick's force.
-// The account opens with what the first tick of a contact stores. If that is less than half of the second tick's work, it
-// opens with the second: else a contact that begins exactly on the surface would owe the error of its first step, and be
-// weak to its end. A wrong reading (isTickMotion) opens a new account, too.
-// Source: passivity observer and controller (Hannaford and Ryu, 2002), here with the energy that the potentials give.
-// Energies are divided by K: [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
+// The account opens with what the first tick of a contact stores. If that is less than half of the second tick's work,
+// it opens with the second: else a contact that begins exactly on the surface would owe the error of its first step,
+// and be weak to its end. A wrong reading (isTickMotion) opens a new account, too. Source: passivity observer and
+// controller (Hannaford and Ryu, 2002), here with the energy that the potentials give. Energies are divided by K:
+// [m^2]. Frame W: world [m]. Thread: the servo's. Cost: some 5 ns.
 #pragma once
 
 #include "servo/contact/sliding_spring.hpp"

@@ -8,8 +8,8 @@
 // Frame W: world [m]. Thread: the servo's. Cost: that of a LatticeSpline; on a rough surface of seven. Errors: none.
 #pragma once
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "servo/contact/edit_ease.hpp"
@@ -20,8 +20,7 @@ namespace palpate {
 
 class FeltField {
  public:
-  explicit FeltField(double rate_hz) noexcept
-      : ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
+  explicit FeltField(double rate_hz) noexcept : ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
 
   // `below_m` under the felt point, which has a window. `number`: as for LatticeSpline. Once per tick.
   template <class Number>

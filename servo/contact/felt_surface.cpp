@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kPatch = 0.5;      // what the first patch of a contact counts as [voxel]
 constexpr double kPointLevers = 2;  // in a groove: the point errs by as much as an angle over so many voxels
-constexpr double kMeanPoint = 3;   // times the roughness: share of the mean of the points in the depth [-]
-constexpr double kRougher = 0.5;  // share by which the roughness follows over a voxel [-]
+constexpr double kMeanPoint = 3;    // times the roughness: share of the mean of the points in the depth [-]
+constexpr double kRougher = 0.5;    // share by which the roughness follows over a voxel [-]
 
 // The part along the normal taken out on both sides.
 Mat3 tangentialPart(const Mat3& S_W, const Vec3& normal_W) noexcept {
@@ -23,7 +23,9 @@ Mat3 tangentialPart(const Mat3& S_W, const Vec3& normal_W) noexcept {
 }  // namespace
 
 FeltSurface::FeltSurface(double isovalue, double rate_hz) noexcept
-    : isovalue_(isovalue), rest_voxels_(kRest / rate_hz), ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
+    : isovalue_(isovalue),
+      rest_voxels_(kRest / rate_hz),
+      ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
 
 void FeltSurface::release() noexcept {
   known_ = false;

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // servo/contact/force_shading.hpp: force shading: between plane renewals the force turns with the surface.
 //
-// The VHIP moves along the plane to where d = VHIP - HIP lies along the felt normal (felt_surface.hpp): d = D / cos(angle)
-// along it, with the angle between the two normals and D the depth below the plane, which does not change. So the force
-// turns in every tick, not with every plane.
-// The published method gets there step by step: the tool is projected onto a shading plane and back. The felt surface
-// knows the normal under the tool, so no step is needed.
+// The VHIP moves along the plane to where d = VHIP - HIP lies along the felt normal (felt_surface.hpp): d = D /
+// cos(angle) along it, with the angle between the two normals and D the depth below the plane, which does not change.
+// So the force turns in every tick, not with every plane. The published method gets there step by step: the tool is
+// projected onto a shading plane and back. The felt surface knows the normal under the tool, so no step is needed.
 //
 // The VHIP is never moved aside by more than kSteepest times the depth. That turns the force by at most 45 degrees. A
 // felt normal that is nearly a right angle from the plane's belongs to another sheet or to an edge: from 60 degrees on

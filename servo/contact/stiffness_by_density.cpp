@@ -11,8 +11,8 @@ void StiffnessByDensity::move(const ContactState& contact, ContactPush& push) no
   Vec3 slope_W = Vec3::Zero();
   const FeltPoint& felt = contact.felt;
   if (felt.window != nullptr && felt.now_W.allFinite()) slope_W = slopeAtHip(felt);
-  // What is softer than K is so for all of the contact. What is added to K is added to the felt surface: it does not jump
-  // where the plane does.
+  // What is softer than K is so for all of the contact. What is added to K is added to the felt surface: it does not
+  // jump where the plane does.
   const double softer = std::min(1.0, factor_), harder = std::max(0.0, factor_ - 1);
   const double depth_m = contact.plane.depth(contact.hip_W);
   const Vec3 d_W = push.vhip_W - contact.hip_W;

@@ -41,8 +41,8 @@ class StiffnessByDensity final : public ContactEffect {
   [[nodiscard]] Vec3 slopeAtHip(const FeltPoint& felt) noexcept;
 
   StiffnessTable table_;
-  FeltField field_;  // of factors
-  double factor_ = 1;    // [-]
+  FeltField field_;    // of factors
+  double factor_ = 1;  // [-]
 };
 
 }  // namespace palpate

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/surface_patch.hpp: the isosurface around a point, from the normals at the point and at six points around
-// it: mean normal, curvature, and how uneven it is.
+// servo/contact/surface_patch.hpp: the isosurface around a point, from the normals at the point and at six points
+// around it: mean normal, curvature, and how uneven it is.
 //
 // The six points lie along the lattice's axes projected onto the tangent plane, so they turn continuously with the
 // normal. Their distance from the point is given in voxels, each measured along its axis. So a slice of 5 mm counts as
 // one voxel. spreadOf() is the distance for a depth: a tip that presses deep feels only wide bumps.
 // - The mean normal is that of the sum of the seven gradients: steeper places count for more.
-// - The curvature is the symmetric matrix S with dN = S dp that fits the three differences of normals best, in the sense
+// - The curvature is the symmetric matrix S with dN = S dp that fits the three differences of normals best, in the
+// sense
 //   of least squares. On a ball it is 1 / R.
 // - The offset is how far the mean surface lies in front of the point. The curvature alone would put the surface at a
 //   point w aside by w S w / 2 behind the tangent plane, so it is given: that of one patch of a rough surface would add
@@ -31,7 +32,8 @@ class SurfacePatch {
     return std::clamp(kSpread * depth_voxels, kLeastSpread, kMostSpread);
   }
 
-  // Around `p_W`, which is on the surface or near it, in a sampler that has a window. `normal_W`: about the normal there.
+  // Around `p_W`, which is on the surface or near it, in a sampler that has a window. `normal_W`: about the normal
+  // there.
   SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W, double spread_voxels) noexcept;
 
   // From the point to the points ahead, for each axis [m].
@@ -51,8 +53,8 @@ class SurfacePatch {
   [[nodiscard]] double offset(double isovalue, const Mat3& S_W) const noexcept;
 
  private:
-  std::array<Vec3, 3> aside_W_;       // from the point to one of each pair [m]
-  std::array<Vec3, 7> gradients_W_;   // at the point, then pair by pair: ahead, behind
+  std::array<Vec3, 3> aside_W_;      // from the point to one of each pair [m]
+  std::array<Vec3, 7> gradients_W_;  // at the point, then pair by pair: ahead, behind
   std::array<double, 7> densities_;
   Vec3 normal_W_ = Vec3::Zero();
 };

@@ -6,11 +6,9 @@
 // contact begins and ends without a step, and D' grows with D and is never negative.
 // The stored energy grows by (D'^2 - D^2) / 2. The VHIP moves by minus the slope of that: D' (1 + h s') - D along the
 // normal, and -D' s grad h along the surface. So a bump holds the hand back on its way up and pushes it on down the
-// other side. Over the whole bump it gives no energy. shape_operator.hpp says what changes where the surface curves, felt_surface.hpp
-// where p is. No
-// bump is steeper than kSteepestTexture, whatever the amplitude: on a flat surface the texture turns the force by at
-// most 45 degrees.
-// Frame W: world [m]. Thread: move() and release() the servo's.
+// other side. Over the whole bump it gives no energy. shape_operator.hpp says what changes where the surface curves,
+// felt_surface.hpp where p is. No bump is steeper than kSteepestTexture, whatever the amplitude: on a flat surface the
+// texture turns the force by at most 45 degrees. Frame W: world [m]. Thread: move() and release() the servo's.
 #pragma once
 
 #include <array>

@@ -17,11 +17,11 @@
 namespace palpate {
 namespace {
 
-constexpr int kMostLeaps = 3;            // in a row: the device does count from elsewhere
-constexpr double kLongestLeap_m = 0.1;   // however long it said nothing: half a second is enough for a new start
-constexpr double kForgets_s = 0.5;       // of silence; the firmware takes 1 s to start
-constexpr double kJustBefore_s = 0.1;    // so long before it was pressed the button was seen free
-constexpr int kAskAgain = 100;           // reports after which a calibration that was not heard is told again
+constexpr int kMostLeaps = 3;           // in a row: the device does count from elsewhere
+constexpr double kLongestLeap_m = 0.1;  // however long it said nothing: half a second is enough for a new start
+constexpr double kForgets_s = 0.5;      // of silence; the firmware takes 1 s to start
+constexpr double kJustBefore_s = 0.1;   // so long before it was pressed the button was seen free
+constexpr int kAskAgain = 100;          // reports after which a calibration that was not heard is told again
 // The handle rests while it stays within 1 mm for 0.1 s: a hand's tremor does, one that goes at 10 mm/s does not.
 constexpr double kRest_m = 1e-3, kRest_s = 0.1;
 constexpr double kPush_N = 0.05;              // a force that counts as pushing, then and for kRest_s after

@@ -12,12 +12,13 @@
 // position. Until somebody has checked the motors (motor_check.hpp) no force is more than kUncheckedForce_N at the
 // handle, as whichever of the arms with these reports it is, and however its motors are plugged. A calibrated arm whose
 // joints are where this kind's cannot be is not calibrated any more.
-//   A report that is none, or whose position no hand can reach in the time (hand_motion.hpp), is counted and not used. If
-// three in a row say so, the device counts from elsewhere: it has been switched off meanwhile, or a joint has slipped on
-// its capstan. Then it is not calibrated any more, as every position would be wrong.
-// What counts as an answer to a calibration came after the device was told, over the same connection. The button counts
-// if it was seen not pressed a moment before, and pressed for a while (debounced_button.hpp): what was pressed at some
-// time before, when the handle may have been elsewhere, makes the device uncalibrated.
+//   A report that is none, or whose position no hand can reach in the time (hand_motion.hpp), is counted and not used.
+//   If
+// three in a row say so, the device counts from elsewhere: it has been switched off meanwhile, or a joint has slipped
+// on its capstan. Then it is not calibrated any more, as every position would be wrong. What counts as an answer to a
+// calibration came after the device was told, over the same connection. The button counts if it was seen not pressed a
+// moment before, and pressed for a while (debounced_button.hpp): what was pressed at some time before, when the handle
+// may have been elsewhere, makes the device uncalibrated.
 //   A calibration while the arm pushes, while the handle moves, or where a calibrated arm says that it is not at home,
 // is refused: it would turn the force of the next contact anywhere. The firmware has no command that forgets what its
 // button asked, but one to count from given numbers. So once the handle rests without force the device is told to count

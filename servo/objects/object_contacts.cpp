@@ -37,7 +37,8 @@ bool ObjectContacts::onVolume() const noexcept {
 
 double ObjectContacts::sharpest(const Vec3& normal_W) const noexcept {
   double sine = 1;
-  for (const ContactPlane& plane : trial_.planes.ofObjects()) sine = std::min(sine, normal_W.cross(plane.normal_W).norm());
+  for (const ContactPlane& plane : trial_.planes.ofObjects())
+    sine = std::min(sine, normal_W.cross(plane.normal_W).norm());
   return sine;
 }
 

@@ -52,8 +52,8 @@ class ObjectContacts {
   // Puts the VHIP at the HIP. A tool that starts inside an object feels nothing of it until it has been outside once.
   void reset(const Vec3& hip_W) noexcept;
 
-  // The tool position for which the volume has to find its plane. `volume`: the plane that objects met in the last tick;
-  // null without contact. `found`: the plane that the volume itself had found; null: the same.
+  // The tool position for which the volume has to find its plane. `volume`: the plane that objects met in the last
+  // tick; null without contact. `found`: the plane that the volume itself had found; null: the same.
   [[nodiscard]] Vec3 volumeTool(const Vec3& hip_W, const ContactPlane* volume,
                                 const ContactPlane* found = nullptr) noexcept;
 
@@ -62,9 +62,8 @@ class ObjectContacts {
   // none. Call it once after each volumeTool(), with the same HIP.
   // In a groove between volume and objects the VHIP moves by at most the HIP's way and `slack_m`: there a small turn of
   // the volume's plane moves the place where they meet far.
-  [[nodiscard]] std::optional<ContactPlane> settle(
-      const Vec3& hip_W, const ContactPlane* volume,
-      double slack_m = std::numeric_limits<double>::infinity()) noexcept;
+  [[nodiscard]] std::optional<ContactPlane> settle(const Vec3& hip_W, const ContactPlane* volume,
+                                                   double slack_m = std::numeric_limits<double>::infinity()) noexcept;
 
   [[nodiscard]] const Vec3& vhip_W() const noexcept { return vhip_W_; }
   // About the last settle(). singlePlane(): the VHIP met just one plane. onVolume(): it met no object other than the
@@ -112,7 +111,7 @@ class ObjectContacts {
   const ContactObject* isosurface_;
   Vec3 vhip_W_ = Vec3::Zero();
   Vec3 last_hip_W_ = Vec3::Zero();  // of the last settle()
-  Trial trial_;  // of this tick; after volumeTool() with the volume's plane of the last tick
+  Trial trial_;                     // of this tick; after volumeTool() with the volume's plane of the last tick
 };
 
 }  // namespace palpate

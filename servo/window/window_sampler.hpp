@@ -46,7 +46,8 @@ class WindowSampler {
     if (cubic_) return way_W.squaredNorm() / (smallest_spacing_m_ * smallest_spacing_m_);
     return (A_LW_ * way_W).squaredNorm();
   }
-  // The length of a voxel along a way: 0.4 mm within a slice, 5 mm from slice to slice [m]. Of no way: the smallest side.
+  // The length of a voxel along a way: 0.4 mm within a slice, 5 mm from slice to slice [m]. Of no way: the smallest
+  // side.
   [[nodiscard]] double voxelAlong(const Vec3& way_W) const noexcept {
     if (cubic_) return smallest_spacing_m_;
     const double squared = squaredVoxels(way_W);

@@ -94,9 +94,13 @@ struct HeldRun {
   HeldRun(const PolhemParameters& p, const HandParameters& hand, const Path& path, bool calibrated,
           const Placement& placement = {.R_WD = facingThePatient()})
       : emulated(p, hand, path, 1 / kRate_hz, calibrated), cable(emulated), storage(8), windows(storage) {
-    auto arm = std::make_shared<PolhemDevice>(
-        p, PolhemUse{.simulated_clock = true, .rate_hz = kRate_hz, .calibrated = calibrated, .motors_checked = true, .answer_ms = 0},
-        cable.opener());
+    auto arm = std::make_shared<PolhemDevice>(p,
+                                              PolhemUse{.simulated_clock = true,
+                                                        .rate_hz = kRate_hz,
+                                                        .calibrated = calibrated,
+                                                        .motors_checked = true,
+                                                        .answer_ms = 0},
+                                              cable.opener());
     polhem = arm.get();
     device = std::make_unique<PlacedDevice>(std::move(arm), placement);
     parameters.rate_hz = kRate_hz;

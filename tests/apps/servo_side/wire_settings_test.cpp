@@ -52,11 +52,16 @@ TEST(WireSettings, RefuseWhatIsNone) {
 class Anything final : public Device {
  public:
   explicit Anything(Seeded& random) {
-    of = {random.between(0, 9), random.pick(2) == 0,
-          random.between(0, 9), random.pick(9),
-          random.between(0, 9), random.pick(2) == 0,
-          random.pick(2) == 0,  random.between(0, 9),
-          random.between(0, 9), random.pick(2) == 0,
+    of = {random.between(0, 9),
+          random.pick(2) == 0,
+          random.between(0, 9),
+          random.pick(9),
+          random.between(0, 9),
+          random.pick(2) == 0,
+          random.pick(2) == 0,
+          random.between(0, 9),
+          random.between(0, 9),
+          random.pick(2) == 0,
           {random.between(0, 9), random.between(0, 9)}};
     for (int i = random.pick(4); i > 0; --i)
       all.push_back({random.between(0, 9), random.between(0, 9), random.between(0, 9), random.between(0, 9),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Masks of thick slices: a binary ball of 20 mm in slices of 1 to 6 mm with pixels of 0.3 and 0.4 mm is a stack of discs,
-// whose steps are up to twenty pixels high. A tool pressed into it and led over it is held all the time.
+// Masks of thick slices: a binary ball of 20 mm in slices of 1 to 6 mm with pixels of 0.3 and 0.4 mm is a stack of
+// discs, whose steps are up to twenty pixels high. A tool pressed into it and led over it is held all the time.
 #include <algorithm>
 #include <cmath>
 
@@ -28,8 +28,7 @@ int lostTicks(const Slices& slices, unsigned seed) {
   const Vec3 centre_W = random.inCube(3e-3);
   const Mat3 R_WL = seed % 3 == 0 ? random.axes(false) : Mat3::Identity();
   const Vec3 spacing_m(slices.pixel_m, slices.pixel_m, slices.slice_m);
-  Sampling sampling{.size = Vec3(56e-3, 56e-3, 70e-3).cwiseQuotient(spacing_m).array().ceil().cast<int>(),
-                    .flat_m = 1};
+  Sampling sampling{.size = Vec3(56e-3, 56e-3, 70e-3).cwiseQuotient(spacing_m).array().ceil().cast<int>(), .flat_m = 1};
   sampling.lattice = latticeAround(Vec3::Zero(), sampling.size, spacing_m, R_WL);
   AnalyticVolume volume = sampledOn(sampling, ballSurface(centre_W, kRadius));
   volume.density = [exact = volume.density](const Vec3& p_W) { return exact(p_W) > 0 ? 0.5 : -0.5; };
@@ -56,7 +55,8 @@ int lostTicks(const Slices& slices, unsigned seed) {
 
 // On the code before, 5 of 80 such slides lost the surface, for up to 123 ticks of some 380.
 TEST(ThickSlices, HoldATool) {
-  for (const Slices& slices : {Slices{0.3e-3, 1e-3}, Slices{0.4e-3, 3e-3}, Slices{0.4e-3, 5e-3}, Slices{0.4e-3, 6e-3}}) {
+  for (const Slices& slices :
+       {Slices{0.3e-3, 1e-3}, Slices{0.4e-3, 3e-3}, Slices{0.4e-3, 5e-3}, Slices{0.4e-3, 6e-3}}) {
     for (unsigned seed = 1; seed <= (isLongRun() ? 1000U : 40U); ++seed)
       EXPECT_EQ(lostTicks(slices, seed), 0) << slices.pixel_m << " x " << slices.slice_m << ", seed " << seed;
   }

@@ -259,10 +259,8 @@ TEST(Effects, TakeNothingFromTheHeap) {
     contact.plane = {kCentre + Vec3(0, 0, kRadius + 1e-6 * (i % 7)), Vec3::UnitZ(), i % 5};
     contact.hip_W = contact.plane.p_W + Vec3(1e-6 * i, 0, -1e-3);
     contact.new_contact = i % 300 == 0;
-    contact.felt = felt.feel({.hip_W = contact.hip_W,
-                              .plane = contact.plane,
-                              .begins = contact.new_contact,
-                              .window = &held.window});
+    contact.felt = felt.feel(
+        {.hip_W = contact.hip_W, .plane = contact.plane, .begins = contact.new_contact, .window = &held.window});
     ContactPush push{.vhip_W = contact.plane.nearest(contact.hip_W), .energy_m2 = 0.5e-6};
     for (auto& effect : effects) effect->move(contact, push);
     push.vhip_W = account.settle(contact, push);

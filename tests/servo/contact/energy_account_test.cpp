@@ -131,8 +131,8 @@ TEST(EnergyAccount, WhatThePlaneGaveIsNotCharged) {
   }
 }
 
-// A contact that begins exactly on the surface, with nothing stored, is as strong as any: rounding alone decides whether
-// the hand's work is above or below what is stored then.
+// A contact that begins exactly on the surface, with nothing stored, is as strong as any: rounding alone decides
+// whether the hand's work is above or below what is stored then.
 TEST(EnergyAccount, AContactThatBeginsOnTheSurfaceIsWhole) {
   for (const double first_m : {0.0, 1e-19, 1e-12}) {
     for (const double step_m : {0.1e-3, 0.0317e-3, 1e-6}) {

@@ -18,7 +18,9 @@ constexpr double kRadius = 20e-3;
 constexpr double kDepth = 4e-3;
 constexpr double kStep = 0.1e-3;  // a tick
 
-double angleBetween(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+double angleBetween(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 // A tool that slides under a ball around the origin, with an exact plane or one that is given.
 struct Slide {
@@ -40,10 +42,8 @@ struct Slide {
     const Vec3 n_W = normal(tick).normalized();
     const Vec3 plane_W = Eigen::AngleAxisd(off, Vec3::UnitY()) * n_W;
     hip_W = n_W * (kRadius - kDepth);
-    const FeltPoint& felt = surface.feel({.hip_W = hip_W,
-                                          .plane = {hip_W + kDepth * plane_W, plane_W, 0},
-                                          .begins = tick == 0,
-                                          .window = &held.window});
+    const FeltPoint& felt = surface.feel(
+        {.hip_W = hip_W, .plane = {hip_W + kDepth * plane_W, plane_W, 0}, .begins = tick == 0, .window = &held.window});
     return felt;
   }
   AnalyticVolume volume;
@@ -79,8 +79,8 @@ TEST(FeltSurface, AnOldPlaneDoesNotTurnIt) {
   }
 }
 
-// On a rough surface the felt point moves with the tool, R / (R - D) = 1.25 times as fast, and hardly faster, whereas one
-// sample's normal jumps; and the normal is nearer to the truth.
+// On a rough surface the felt point moves with the tool, R / (R - D) = 1.25 times as fast, and hardly faster, whereas
+// one sample's normal jumps; and the normal is nearer to the truth.
 TEST(FeltSurface, OnNoiseAndMasksThePointGlides) {
   for (const bool mask : {false, true}) {
     for (unsigned seed = 1; seed <= (mask ? 1U : 10U); ++seed) {
@@ -97,8 +97,8 @@ TEST(FeltSurface, OnNoiseAndMasksThePointGlides) {
         if (tick > 0) {
           const double way_m = (slide.hip_W - last_hip_W).norm();
           fastest = std::max(fastest, (felt.p_W - last_W).norm() / way_m);
-          fastest_raw = std::max(
-              fastest_raw, (slide.hip_W + raw_W * kDepth - last_hip_W - last_raw_W * kDepth).norm() / way_m);
+          fastest_raw =
+              std::max(fastest_raw, (slide.hip_W + raw_W * kDepth - last_hip_W - last_raw_W * kDepth).norm() / way_m);
         }
         last_W = felt.p_W;
         last_hip_W = slide.hip_W;
@@ -135,7 +135,8 @@ TEST(FeltSurface, WhatAnEditTurnsIsTakenInEvenly) {
   const Vec3 hip_W = Vec3(16e-3, 16e-3, 14e-3);
   const auto feel = [&](double angle, bool begins) {
     const Vec3 n_W(std::sin(angle), 0, std::cos(angle));
-    return surface.feel({.hip_W = hip_W, .plane = {Vec3::Constant(16e-3), n_W, 0}, .begins = begins, .window = &held.window});
+    return surface.feel(
+        {.hip_W = hip_W, .plane = {Vec3::Constant(16e-3), n_W, 0}, .begins = begins, .window = &held.window});
   };
   for (int i = 0; i < 10; ++i) static_cast<void>(feel(0, i == 0));
   tilted(0.3).hold(held, Vec3i::Zero(), Vec3i::Constant(32), 2);
@@ -153,7 +154,8 @@ TEST(FeltSurface, WhatAnEditTurnsIsTakenInEvenly) {
   EXPECT_NEAR(last, 0.3, 1e-3);
 }
 
-// While depth is taken in, the felt point is that of the plane as it is shown; samples are read on the volume's surface.
+// While depth is taken in, the felt point is that of the plane as it is shown; samples are read on the volume's
+// surface.
 TEST(FeltSurface, SamplesAreReadOnTheVolumesSurface) {
   Slide slide(0);
   const Vec3 n_W = slide.normal(80).normalized();

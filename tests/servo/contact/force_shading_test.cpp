@@ -104,8 +104,8 @@ Errors slideOnBall(int n, double speed_m_per_s, bool shaded) {
 }
 
 // Unshaded, the force errs by up to 2 (n - 1) / 3 ticks of way: 0.6 mm on 23 mm, 1.49 degrees. Shaded, by what the
-// surface point gains on the tool in a tick, D / (R - D) of v T / R, twice at most; the interpolated gradient adds up to
-// 0.5 degrees (hri_test.cpp, which finds that on the same ball at n = 1).
+// surface point gains on the tool in a tick, D / (R - D) of v T / R, twice at most; the interpolated gradient adds up
+// to 0.5 degrees (hri_test.cpp, which finds that on the same ball at n = 1).
 TEST(ForceShadingOnABall, AtTenTicksTheForceIsCloseToTheSmoothNormal) {
   const Errors plain = slideOnBall(10, 0.1, false);
   const Errors shaded = slideOnBall(10, 0.1, true);

@@ -3,8 +3,8 @@
 // alone would make of it, on the exact surface, and the plane, without effect.
 //
 // A press and a slide of 16 mm at 0.1 m/s, 1 to 8 mm deep, on a ball of 20 mm or a plane in voxels of 1 mm that lie
-// anyhow; 500 N/m. The bound is that of the promise: 1.5 times the largest change of the same effect on the exact surface,
-// plus that of the plain run on the same samples.
+// anyhow; 500 N/m. The bound is that of the promise: 1.5 times the largest change of the same effect on the exact
+// surface, plus that of the plain run on the same samples.
 #include <algorithm>
 #include <cmath>
 #include <list>
@@ -18,6 +18,7 @@
 #include "servo/contact/texture.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/sampled_volume.hpp"
+#include "tests/support/long_run.hpp"
 
 namespace palpate {
 namespace rough_effects_test {
@@ -138,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(Each, RoughEffects, testing::Range(static_cast<int>(kSh
 // changed the force by up to 3.6 N a tick, the procedural texture by 6.2, stiffness by 4.5.
 TEST_P(RoughEffects, TheForceChangesNoFasterThanEffectAndPlaneDo) {
   double nearest = 0;
-  for (unsigned seed = 1; seed <= 10; ++seed) {
+  for (unsigned seed = 1; seed <= (isLongRun() ? 40U : 6U); ++seed) {
     Seeded random(seed);
     const Ground ground(seed % 2 == 0, seed);
     const double depth_m = random.logBetween(1e-3, 8e-3);
@@ -150,7 +151,8 @@ TEST_P(RoughEffects, TheForceChangesNoFasterThanEffectAndPlaneDo) {
       const Felt plain = feel(ground, rough, kNone, depth_m, n);
       const Felt felt = feel(ground, rough, GetParam(), depth_m, n);
       const double bound_N = 1.5 * exact_N + plain.change_N;
-      EXPECT_LE(felt.change_N, bound_N) << "noise " << noise << ", seed " << seed << ", " << depth_m << " deep, n " << n;
+      EXPECT_LE(felt.change_N, bound_N) << "noise " << noise << ", seed " << seed << ", " << depth_m << " deep, n "
+                                        << n;
       EXPECT_LE(felt.lost, plain.lost) << seed;
       nearest = std::max(nearest, felt.change_N / bound_N);
     }
@@ -159,7 +161,7 @@ TEST_P(RoughEffects, TheForceChangesNoFasterThanEffectAndPlaneDo) {
 }
 
 TEST_P(RoughEffects, NorDoesItUnderABrush) {
-  for (unsigned seed = 1; seed <= 4; ++seed) {
+  for (unsigned seed = 1; seed <= (isLongRun() ? 12U : 2U); ++seed) {
     Seeded random(100 + seed);
     const Ground ground(seed % 2 == 0, seed);
     const double depth_m = random.logBetween(1e-3, 4e-3);
@@ -196,8 +198,9 @@ TEST(RoughShading, PointsNearerToTheTruth) {
   }
 }
 
-// On the exact ball the texture is what its formula says at the surface point under the tool: d = D' N - D' s R / (R - D)
-// grad h, within 5 % of D'. The sampled surface errs by samplingBound() and the plane, up to n ticks old, by kMostTurned.
+// On the exact ball the texture is what its formula says at the surface point under the tool: d = D' N - D' s R / (R -
+// D) grad h, within 5 % of D'. The sampled surface errs by samplingBound() and the plane, up to n ticks old, by
+// kMostTurned.
 TEST(RoughEffectsOnTheExactBall, TheTextureIsThatOfTheFormula) {
   const ProceduralTexture texture(0.1e-3, 1e-3);
   for (const double depth_m : {1e-3, 3e-3, 6e-3}) {

@@ -65,8 +65,7 @@ TEST_F(StiffnessByDensityTest, KeepsTheDirectionOfTheForce) {
   contact.plane = {Vec3(20e-3, 30e-3, kLevel), Vec3::UnitZ(), 0};
   contact.new_contact = true;
   FeltSurface felt(0, 1000);
-  contact.felt =
-      felt.feel({.hip_W = contact.hip_W, .plane = contact.plane, .begins = true, .window = &held_.window});
+  contact.felt = felt.feel({.hip_W = contact.hip_W, .plane = contact.plane, .begins = true, .window = &held_.window});
   const Vec3 d(0.2e-3, -0.1e-3, 0.4e-3);
   ContactPush push{.vhip_W = contact.hip_W + d, .energy_m2 = 0.5 * d.z() * d.z()};
   effect_.move(contact, push);

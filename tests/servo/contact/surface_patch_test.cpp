@@ -20,8 +20,8 @@ HeldWindow windowOn(const AnalyticVolume& volume) {
   return held;
 }
 
-// Gradients of R - |x| at samples R / h voxels out, w = 1.5 or 4 voxels aside either way: a secant errs by (w / R)^2 / 2
-// of 1 / R, central differences by (h / R)^2 / 6 and their interpolation by 3 / 8 (h / R)^2 (analytic_surface.hpp).
+// Gradients of R - |x| at samples R / h voxels out, w = 1.5 or 4 voxels aside either way: a secant errs by (w / R)^2 /
+// 2 of 1 / R, central differences by (h / R)^2 / 6 and their interpolation by 3 / 8 (h / R)^2 (analytic_surface.hpp).
 TEST(SurfacePatch, OnABallCurvatureIsOneOverTheRadiusAndTheNormalExact) {
   Seeded random(3);
   for (const double out : {1.0, -1.0}) {
@@ -34,7 +34,8 @@ TEST(SurfacePatch, OnABallCurvatureIsOneOverTheRadiusAndTheNormalExact) {
       const Vec3 normal_W = out * radial;
       for (const double spread : {1.5, 4.0}) {
         const SurfacePatch patch(WindowSampler(held.window), centre_W + kRadius * radial, normal_W, spread);
-        const double relative = 0.5 * std::pow(spread * 1e-3 / kRadius, 2) + (1.0 / 6 + 3.0 / 8) * std::pow(1e-3 / kRadius, 2);
+        const double relative =
+            0.5 * std::pow(spread * 1e-3 / kRadius, 2) + (1.0 / 6 + 3.0 / 8) * std::pow(1e-3 / kRadius, 2);
         ASSERT_TRUE(patch.known());
         EXPECT_LE((patch.normal() - normal_W).norm(), samplingBound(20).radians);
         const SurfacePatch::Curvature curvature = patch.curvature();
@@ -46,7 +47,8 @@ TEST(SurfacePatch, OnABallCurvatureIsOneOverTheRadiusAndTheNormalExact) {
         EXPECT_LE(curvature.unevenness, relative * spread * 1e-3 / kRadius + samplingBound(20).radians);
         // Trilinear interpolation sags by h^2 / 8 in each of two directions; the rest is of fourth order.
         const Mat3 S_W = out / kRadius * (Mat3::Identity() - normal_W * normal_W.transpose());
-        EXPECT_NEAR(patch.offset(0, S_W), 0, 0.25 * 1e-6 / kRadius + std::pow(spread * 1e-3, 4) / (8 * std::pow(kRadius, 3)));
+        EXPECT_NEAR(patch.offset(0, S_W), 0,
+                    0.25 * 1e-6 / kRadius + std::pow(spread * 1e-3, 4) / (8 * std::pow(kRadius, 3)));
       }
     }
   }

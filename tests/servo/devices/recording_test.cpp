@@ -66,10 +66,10 @@ bool same(const RecordedTick& a, const RecordedTick& b) {
     return std::equal(u.data(), u.data() + 3, v.data(), equal);
   };
   return a.elapsed_ticks == b.elapsed_ticks && a.force_off == b.force_off && a.refused == b.refused &&
-         a.answered == b.answered && a.pressed == b.pressed && a.leapt == b.leapt &&
-         a.taken == b.taken && a.held_differs == b.held_differs &&
-         a.report_age_ns == b.report_age_ns && bits(a.position_W, b.position_W) && bits(a.held_W, b.held_W) &&
-         bits(a.boundary.force_W, b.boundary.force_W) && a.boundary.stored_J == b.boundary.stored_J;
+         a.answered == b.answered && a.pressed == b.pressed && a.leapt == b.leapt && a.taken == b.taken &&
+         a.held_differs == b.held_differs && a.report_age_ns == b.report_age_ns && bits(a.position_W, b.position_W) &&
+         bits(a.held_W, b.held_W) && bits(a.boundary.force_W, b.boundary.force_W) &&
+         a.boundary.stored_J == b.boundary.stored_J;
 }
 
 TEST(Recording, ComesBackToTheBit) {

@@ -2,8 +2,8 @@
 // In a groove between the volume and an object, noise of the samples is felt within a tenth of a newton, and nothing
 // jumps, however sharp the groove is.
 //
-// The volume's surface and the object are planes that meet in a line; the tool goes along it, 2 mm below, at 0.1 m/s with
-// 500 N/m. The true VHIP is the point of the line beside the HIP.
+// The volume's surface and the object are planes that meet in a line; the tool goes along it, 2 mm below, at 0.1 m/s
+// with 500 N/m. The true VHIP is the point of the line beside the HIP.
 #include <algorithm>
 #include <cmath>
 
@@ -76,8 +76,8 @@ TEST(RoughGroove, NoiseIsFeltWithinATenthOfANewton) {
   }
 }
 
-// Whatever the samples say, the VHIP goes by the HIP's way and kCatchUp a tick: 500 N/m times 0.1 mm and 0.1 mm; and it is
-// pushed by one plane of the two at least.
+// Whatever the samples say, the VHIP goes by the HIP's way and kCatchUp a tick: 500 N/m times 0.1 mm and 0.1 mm; and it
+// is pushed by one plane of the two at least.
 TEST(RoughGroove, NothingJumpsOnMasksAndMoreNoise) {
   for (const double degrees : {16.0, 30.0, 90.0}) {
     for (const double noise : {0.1, 0.25, kMask}) {
