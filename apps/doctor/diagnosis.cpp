@@ -15,6 +15,7 @@
 #include "apps/devices/choose_hid.hpp"
 #include "apps/doctor/udev_rules.hpp"
 #include "apps/held/chosen_device.hpp"
+#include "apps/held/held_words.hpp"
 #include "base/error.hpp"
 #include "engine/gpu/gpu.hpp"
 #include "service/sandbox/call_filter.hpp"
@@ -157,10 +158,8 @@ class Doctor {
       device_ = openChosenDevice(*kind_, std::move(choice), std::move(setup));
       find(State::kGood, "device", fmt::format("{} answers: {}", kind_->name, words));
       if (device_->limits().motors_unchecked) {
-        find(State::kNote, "motors",
-             fmt::format("nobody has checked that they pull the right way, so forces stay below {:g} N",
-                         kUncheckedForce_N),
-             fmt::format("palpate calibrate --device {} --check", kind_->name));
+        const UncheckedWords unchecked = uncheckedWords(kind_->name);
+        find(State::kNote, "motors", unchecked.reason, unchecked.remedy);
       }
     } catch (const Error& error) {
       trouble_ = error;

@@ -18,11 +18,11 @@ double roundedDown(double value) {
 
 }  // namespace
 
-std::string uncheckedWords(const std::string& kind) {
-  return fmt::format(
-      "nobody has checked that its motors pull the right way, so forces stay below {:g} N, whatever arm it "
-      "is; 'palpate calibrate --device {} --check' does it",
-      kUncheckedForce_N, kind);
+UncheckedWords uncheckedWords(const std::string& kind) {
+  return {.reason = fmt::format("nobody has checked that its motors pull the right way, so forces stay below {:g} N, "
+                                "whatever arm it is",
+                                kUncheckedForce_N),
+          .remedy = fmt::format("run 'palpate calibrate --device {} --check'", kind)};
 }
 
 std::vector<std::string> heldDeviceWords(const std::string& name, const Device& device, const Placement& placement,
@@ -37,7 +37,10 @@ std::vector<std::string> heldDeviceWords(const std::string& name, const Device& 
     const ForceOffWords off = wordsOf(why);
     words.push_back(fmt::format("forces are off because {}; {}", off.reason, off.remedy));
   }
-  if (device.limits().motors_unchecked) words.push_back(uncheckedWords(name));
+  if (device.limits().motors_unchecked) {
+    const UncheckedWords unchecked = uncheckedWords(name);
+    words.push_back(fmt::format("{}; {}", unchecked.reason, unchecked.remedy));
+  }
   const double most = device.limits().stiffness_limit_N_per_m;
   if (most > 0 && stiffness_N_per_m > most) {
     words.push_back(

@@ -10,8 +10,11 @@
 
 namespace palpate {
 
-// Of a device whose motors nobody has checked.
-[[nodiscard]] std::string uncheckedWords(const std::string& kind);
+// Of a device of this kind whose motors nobody has checked: why its forces stay small, and what to do about it.
+struct UncheckedWords {
+  std::string reason, remedy;
+};
+[[nodiscard]] UncheckedWords uncheckedWords(const std::string& kind);
 
 // How the device of this name lies in the scene, why it exerts no force, if it does not, and what its maker advises
 // against.

@@ -52,6 +52,7 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
       work_(request.work),
       gpu_(request.gpu),
       gpu_memory_bytes_(request.gpu_memory_bytes),
+      takes_filters_(request.takes_filters),
       tell_(std::move(tell)),
       journal_(request.journal) {
   progress.stage("loading " + request.volume);
@@ -66,8 +67,8 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
     first_isovalue_ = static_cast<float>(request.isovalue ? *request.isovalue : defaultIsovalue(*volume_));
   }
   checkIsovalue(*volume_, first_isovalue_);
-  const FilterGiven given = request.takes_filters ? FilterGiven::kAsOption : FilterGiven::kAsFile;
-  if (const std::string stairs = stairWords(*volume_, first_isovalue_, request.plan, given); !stairs.empty()) {
+  stairs_ = std::make_unique<const Stairs>(stairsOf(*volume_, first_isovalue_));
+  if (const std::string stairs = stairsAt(first_isovalue_, request.plan); !stairs.empty()) {
     tellUser(volume_->facts().source + ": " + stairs);
     tell_(stairs);
   }
@@ -96,6 +97,10 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
   }
+}
+
+std::string LiveVolume::stairsAt(double isovalue, const Plan& plan) const {
+  return stairWords(*stairs_, isovalue, plan, takes_filters_ ? FilterGiven::kAsOption : FilterGiven::kAsFile);
 }
 
 // As edits of this session, so that its journal holds them too.

@@ -27,6 +27,8 @@
 
 namespace palpate {
 
+struct Stairs;
+
 struct LiveVolumeRequest {
   using Look = std::function<void(const Volume& volume, double isovalue)>;
   std::string volume = {};               // as loadVolume takes it
@@ -58,6 +60,9 @@ class LiveVolume {
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   [[nodiscard]] double firstIsovalue() const noexcept { return first_isovalue_; }
+  // What its user should know at this isovalue and with the filters of this plan, if it is a mask or a map of labels
+  // (apps/load/stair_words.hpp); "": nothing. Of the volume as it was loaded. Any thread; no look at the volume.
+  [[nodiscard]] std::string stairsAt(double isovalue, const Plan& plan) const;
   // With the edits that the saver has. Before edits are made, and after makeEngineAnew() until the next: it is the
   // saver's otherwise.
   [[nodiscard]] const Volume& volume() const noexcept { return *volume_; }
@@ -104,6 +109,7 @@ class LiveVolume {
 
   const std::string name_, work_, gpu_;
   const std::uint64_t gpu_memory_bytes_;
+  const bool takes_filters_;
   const Tell tell_;
   // Before all that may still have something to tell when it ends.
   std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
@@ -111,6 +117,7 @@ class LiveVolume {
   std::filesystem::path journal_;
   std::optional<Volume> volume_;  // the saver's from the constructor to close()
   double first_isovalue_ = 0;
+  std::unique_ptr<const Stairs> stairs_;  // of the volume without an edit
   std::unique_ptr<Engine> engine_;
   std::unique_ptr<EditSession> session_;
   std::unique_ptr<RigEdits> edits_;

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -58,13 +58,25 @@ bool smoothsStairs(const Plan& plan, const Vec3& spacing_m, double contrast) {
   return std::sqrt(variance.minCoeff()) >= kLeastSmoothing_voxel - kRounding;
 }
 
+Stairs stairsOf(const Volume& volume, double isovalue) {
+  auto found = fewValuesOf(volume, isovalue);
+  return {.values = found ? std::move(found->values) : std::vector<float>{}, .spacing_m = volume.lattice().spacing_m};
+}
+
 std::string stairWords(const Volume& volume, double isovalue, const Plan& plan, FilterGiven given) {
   const double contrast = static_cast<double>(volume.maximum()) - static_cast<double>(volume.minimum());
-  if (smoothsStairs(plan, volume.lattice().spacing_m, contrast)) return {};
-  const auto found = fewValuesOf(volume, isovalue);
-  if (!found) return {};
-  std::string words = fmt::format("it holds {}, so its surface is felt as stairs", valueWords(found->values));
-  if (found->values.size() > 2) return words + labelWords(found->values, isovalue, given);
+  if (smoothsStairs(plan, volume.lattice().spacing_m, contrast)) return {};  // without a look
+  return stairWords(stairsOf(volume, isovalue), isovalue, plan, given);
+}
+
+std::string stairWords(const Stairs& stairs, double isovalue, const Plan& plan, FilterGiven given) {
+  const std::vector<float>& values = stairs.values;
+  const auto threshold = static_cast<float>(isovalue);  // as kernels and servo compare
+  if (values.empty() || !(values.front() <= threshold && threshold < values.back())) return {};
+  const double contrast = static_cast<double>(values.back()) - static_cast<double>(values.front());
+  if (smoothsStairs(plan, stairs.spacing_m, contrast)) return {};
+  std::string words = fmt::format("it holds {}, so its surface is felt as stairs", valueWords(values));
+  if (values.size() > 2) return words + labelWords(values, isovalue, given);
   words += fmt::format(": {} smooths them, but removes walls thinner than 2 voxels and rods thinner than 4",
                        filterWords(given));
   if (given == FilterGiven::kAsOption) {

@@ -2,10 +2,11 @@
 // apps/load/stair_words.hpp: what a user should know of a volume of few values (engine/field/few_values.hpp): that its
 // surface is felt as stairs, and what helps. docs/masks.md tells the whole; `palpate bench masks` measured it.
 //
-// Set-up code, any thread. Cost: fewValuesOf().
+// Set-up code, any thread. Cost: where a volume is looked at, fewValuesOf().
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "engine/field/volume.hpp"
 #include "engine/plan/plan.hpp"
@@ -25,8 +26,17 @@ enum class FilterGiven {
   kAsFile     // it has no filters: the volume is filtered beforehand
 };
 
-// One sentence or two, without the volume's name; "" where nothing is to be said: the volume has many values, or what
-// the plan does to it smooths them (smoothsStairs).
+// What a look at a volume found. That it is a mask or a map of labels does not depend on the isovalue. So one look, at
+// any isovalue that parts the volume, has the words for others, also once the volume may not be read any more.
+struct Stairs {
+  std::vector<float> values;  // FewValues::values; empty: nothing is to be said of the volume
+  Vec3 spacing_m = Vec3::Zero();
+};
+[[nodiscard]] Stairs stairsOf(const Volume& volume, double isovalue);
+
+// One sentence or two, without the volume's name; "" where nothing is to be said: the volume has many values, what the
+// plan does to it smooths them (smoothsStairs), or the isovalue does not part them.
+[[nodiscard]] std::string stairWords(const Stairs& stairs, double isovalue, const Plan& plan, FilterGiven given);
 [[nodiscard]] std::string stairWords(const Volume& volume, double isovalue, const Plan& plan, FilterGiven given);
 
 // Whether normals are smooth through a plan: the Gaussians of its filters and of its gradient operator together have a

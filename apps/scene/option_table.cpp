@@ -11,6 +11,7 @@
 #include "base/units.hpp"
 #include "servo/algorithms/registry.hpp"
 #include "servo/devices/registry.hpp"
+#include "servo/loop/velocity.hpp"
 
 namespace palpate {
 namespace {
@@ -41,6 +42,10 @@ std::span<const char* const> algorithmNames() {
   static const Names kNames(algorithms());
   return kNames.words();
 }
+std::span<const char* const> velocityNames() {
+  static const Names kNames(velocityEstimates());
+  return kNames.words();
+}
 std::span<const char* const> deviceNames() {
   static const std::vector<const char*> kWords = [] {
     std::vector<const char*> words;
@@ -59,7 +64,6 @@ IntegerOption integer(int Scene::*member, long long lowest, long long highest) {
   return {member, lowest, highest};
 }
 
-constexpr const char* kVelocities[] = {"filter", "foaw"};
 constexpr const char* kFields[] = {"density", "distance"};
 constexpr const char* kLogs[] = {"text", "json"};
 constexpr const char* kSampleForms[] = {"float", "half"};
@@ -67,11 +71,11 @@ constexpr const char* kTextures[] = {"none", "procedural", "density"};
 
 const std::string kStiffnessHelp =
     fmt::format("stiffness of the contact, K; if not given {:g}, or what a device that is held bears",
-                usualOfServo("servo.stiffness_N_per_m"));
+                servoDefaults().stiffness_N_per_m);
 
 const std::string kDampingHelp =
     fmt::format("damping of the contact along the normal, B; if not given {:g}, or what a device that is held bears",
-                usualOfServo("servo.damping_Ns_per_m"));
+                servoDefaults().damping_Ns_per_m);
 
 // clang-format off
 const SceneOption kOptions[] = {
@@ -114,7 +118,7 @@ const SceneOption kOptions[] = {
     {"--slew-limit", "safety.slew_limit_N_per_s", "N/s", "no faster change of force leaves the safety gate: it is for jumps; much below stiffness times hand speed, contacts lag and shake", number(&Scene::slew_limit_N_per_s, 1, 1, 1e7)},
     {"--fade", "safety.fade_s", "s", "time in which the force fades to zero after a fault", number(&Scene::fade_s, 1, 0, 10)},
     {"--stale", "safety.stale_window_s", "s", "a window not confirmed for so long is a fault", number(&Scene::stale_window_s, 1, 0.001, 60)},
-    {"--velocity", "servo.velocity", "", "velocity estimate: filter (low-pass) or foaw (first-order adaptive windowing)", WordOption{&Scene::velocity, kVelocities}},
+    {"--velocity", "servo.velocity", "", "velocity estimate: filter (low-pass) or foaw (first-order adaptive windowing)", WordOption{&Scene::velocity, velocityNames()}},
     {"--velocity-cutoff", "servo.velocity_cutoff_hz", "Hz", "cutoff of the velocity filter, 0: none", number(&Scene::velocity_cutoff_hz, 1, 0, 1e5)},
     {"--velocity-noise", "servo.velocity_noise_mm", "mm", "noise of the position that foaw overlooks; the encoders' resolution if not given",
      NumberOption{&Scene::velocity_noise_m, kMm, 0, 10}},

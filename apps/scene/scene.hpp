@@ -18,12 +18,23 @@ namespace palpate {
 using NumberTable = std::vector<std::vector<double>>;  // rows of equal length
 
 [[nodiscard]] std::string defaultAlgorithm();  // servo/algorithms/registry.hpp
-// Of the default device (servo/devices/registry.hpp): its name, and the usual value of one of its parameters.
+// Of the default device (servo/devices/registry.hpp): its name, and the usual value of one of its parameters, in the
+// unit that the key ends with. Throws std::logic_error for a key that it does not have.
 [[nodiscard]] std::string defaultDevice();
 [[nodiscard]] double usualOfDevice(std::string_view key);
-// Of the servo, by the key of an option: what its parameters are where nobody sets them (LoopParameters,
-// AlgorithmParameters, EffectParameters).
-[[nodiscard]] double usualOfServo(std::string_view key);
+
+// What the servo's parameters are where nobody sets them. Their owners are LoopParameters, AlgorithmParameters and
+// EffectParameters, which have the same members.
+struct ServoDefaults {
+  double rate_hz, stiffness_N_per_m, damping_Ns_per_m;
+  int plane_renewal_ticks;
+  std::string_view velocity;
+  double velocity_cutoff_hz;
+  double force_limit_N, slew_limit_N_per_s, fade_s, stale_window_s, stall_s, report_timeout_s;
+  double recovery_s, texture_amplitude_m, texture_wavelength_m, texture_gain;
+  double friction_static, friction_dynamic, friction_viscous_Ns_per_m;
+};
+[[nodiscard]] const ServoDefaults& servoDefaults() noexcept;
 
 struct Scene {
   // volume
@@ -43,41 +54,39 @@ struct Scene {
   int window_edge = 32;                       // samples along an edge of the window that the servo reads [voxel]
   // servo
   std::string algorithm = defaultAlgorithm();
-  int plane_renewal_ticks = static_cast<int>(usualOfServo("servo.n"));  // n: the plane is found anew every n ticks
-  std::optional<double> stiffness_N_per_m;  // empty: usual, or what a device that is held bears
-  std::optional<double> damping_Ns_per_m;   // likewise
-  double rate_hz = usualOfServo("servo.rate_hz");
+  int plane_renewal_ticks = servoDefaults().plane_renewal_ticks;  // n: the plane is found anew every n ticks
+  std::optional<double> stiffness_N_per_m;                        // empty: usual, or what a device that is held bears
+  std::optional<double> damping_Ns_per_m;                         // likewise
+  double rate_hz = servoDefaults().rate_hz;
   double duration_s = 5;
   bool simulated_clock = false;
-  bool service = false;             // the servo runs in a process of its own
-  bool require_real_time = false;   // refuse to run without real-time priority and locked memory
-  std::string velocity = "filter";  // name of the HIP's velocity estimator
-  double velocity_cutoff_hz = usualOfServo("servo.velocity_cutoff_hz");  // of "filter"; 0: none
-  std::optional<double> velocity_noise_m;                                // of "foaw"; empty: the encoders' resolution
+  bool service = false;            // the servo runs in a process of its own
+  bool require_real_time = false;  // refuse to run without real-time priority and locked memory
+  std::string velocity = std::string(servoDefaults().velocity);    // name of the HIP's velocity estimator
+  double velocity_cutoff_hz = servoDefaults().velocity_cutoff_hz;  // of "filter"; 0: none
+  std::optional<double> velocity_noise_m;                          // of "foaw"; empty: the encoders' resolution
   // haptization's transfer function; a table without rows: chosen from the isovalue and the volume
   NumberTable haptization_density;   // rows: density, force [N], viscosity [N s/m]
   NumberTable haptization_gradient;  // rows: gradient [density/m], weight [-]
   // safety
-  double force_limit_N = usualOfServo("safety.force_limit_N");            // of the simulated device
-  double slew_limit_N_per_s = usualOfServo("safety.slew_limit_N_per_s");  // servo/safety/safety_gate.hpp says why
-  double fade_s = usualOfServo("safety.fade_s");                          // time in which a faulty force fades to zero
-  double stale_window_s =
-      usualOfServo("safety.stale_window_s");        // a window that the engine has not confirmed for so long is a fault
-  double stall_s = usualOfServo("safety.stall_s");  // a tick later than this ends a stall
-  double report_timeout_s = usualOfServo("safety.report_timeout_s");  // a device position older than this is a fault
-  bool passivity_control = false;                                     // false: observe only
-  bool leave_shaking = false;                                         // false: an unstable contact loses its force
+  double force_limit_N = servoDefaults().force_limit_N;            // of the simulated device
+  double slew_limit_N_per_s = servoDefaults().slew_limit_N_per_s;  // servo/safety/safety_gate.hpp says why
+  double fade_s = servoDefaults().fade_s;                          // time in which a faulty force fades to zero
+  double stale_window_s = servoDefaults().stale_window_s;          // a window unconfirmed for so long is a fault
+  double stall_s = servoDefaults().stall_s;                        // a tick later than this ends a stall
+  double report_timeout_s = servoDefaults().report_timeout_s;      // a device position older than this is a fault
+  bool passivity_control = false;                                  // false: observe only
+  bool leave_shaking = false;                                      // false: an unstable contact loses its force
   // contact effects; all off
   bool force_shading = false;
-  double recovery_s = usualOfServo("contact.recovery_ms");  // 0: none
-  std::string texture = "none";                             // none, procedural or density
-  double texture_amplitude_m =
-      usualOfServo("contact.texture_amplitude_mm");  // limit on how far a texture moves the VHIP
-  double texture_wavelength_m = usualOfServo("contact.texture_wavelength_mm");  // of the procedural texture
-  double texture_gain = usualOfServo("contact.texture_gain");                   // of the density texture [-]
-  double friction_static = usualOfServo("contact.friction_static");             // mu_s [-]
-  double friction_dynamic = usualOfServo("contact.friction_dynamic");           // mu_d, at most mu_s [-]
-  double friction_viscous_Ns_per_m = usualOfServo("contact.friction_viscous_Ns_per_m");
+  double recovery_s = servoDefaults().recovery_s;                      // 0: none
+  std::string texture = "none";                                        // none, procedural or density
+  double texture_amplitude_m = servoDefaults().texture_amplitude_m;    // limit on how far a texture moves the VHIP
+  double texture_wavelength_m = servoDefaults().texture_wavelength_m;  // of the procedural texture
+  double texture_gain = servoDefaults().texture_gain;                  // of the density texture [-]
+  double friction_static = servoDefaults().friction_static;            // mu_s [-]
+  double friction_dynamic = servoDefaults().friction_dynamic;          // mu_d, at most mu_s [-]
+  double friction_viscous_Ns_per_m = servoDefaults().friction_viscous_Ns_per_m;
   NumberTable stiffness_density;  // rows of density, factor [-]; empty: none
   // device, and the hand of a simulated one; apps/servo_setup/scene_settings.cpp hands them to the registry
   std::string device = defaultDevice();
@@ -132,10 +141,10 @@ struct Scene {
 };
 
 [[nodiscard]] inline double stiffnessOf(const Scene& scene) noexcept {
-  return scene.stiffness_N_per_m ? *scene.stiffness_N_per_m : usualOfServo("servo.stiffness_N_per_m");
+  return scene.stiffness_N_per_m ? *scene.stiffness_N_per_m : servoDefaults().stiffness_N_per_m;
 }
 [[nodiscard]] inline double dampingOf(const Scene& scene) noexcept {
-  return scene.damping_Ns_per_m ? *scene.damping_Ns_per_m : usualOfServo("servo.damping_Ns_per_m");
+  return scene.damping_Ns_per_m ? *scene.damping_Ns_per_m : servoDefaults().damping_Ns_per_m;
 }
 
 }  // namespace palpate

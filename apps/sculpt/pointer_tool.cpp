@@ -18,6 +18,23 @@ std::optional<double> distanceAt(const ViewFrame& frame, double x, double y) {
   return frame.pixels[at].distance_m;
 }
 
+// The nearest and the farthest distance in a pixel and its neighbours, as far as they are in the picture.
+struct Distances {
+  double nearest_m = std::numeric_limits<double>::infinity(), farthest_m = 0;
+};
+Distances distancesAround(const ViewFrame& frame, double x, double y) {
+  Distances around;
+  for (int down = -1; down <= 1; ++down) {
+    for (int right = -1; right <= 1; ++right) {
+      const std::optional<double> distance_m = distanceAt(frame, x + right, y + down);
+      if (!distance_m) continue;
+      around.nearest_m = std::min(around.nearest_m, *distance_m);
+      around.farthest_m = std::max(around.farthest_m, *distance_m);
+    }
+  }
+  return around;
+}
+
 }  // namespace
 
 std::optional<Vec3> PointerTool::surface_W(const ViewFrame& frame, double x, double y) {
@@ -46,17 +63,12 @@ std::optional<Vec3> PointerTool::hip_W(const ViewFrame& frame, double x, double 
 std::optional<double> PointerTool::behind_m(const ViewFrame& frame, const Vec3& p_W) {
   const auto seen = frame.camera.project(p_W);
   if (!seen || !distanceAt(frame, seen->x, seen->y)) return std::nullopt;
-  double farthest_m = 0;
-  for (int down = -1; down <= 1; ++down) {
-    for (int right = -1; right <= 1; ++right)
-      farthest_m = std::max(farthest_m, distanceAt(frame, seen->x + right, seen->y + down).value_or(0));
-  }
-  return (p_W - frame.camera.position_W).norm() - farthest_m;
+  return (p_W - frame.camera.position_W).norm() - distancesAround(frame, seen->x, seen->y).farthest_m;
 }
 
 namespace {
 
-// Whether the straight way is seen, and nowhere deeper behind the surface than `most_m`. A look at every pixel on it.
+// Whether the straight way is seen, and nowhere deeper behind the surface than `most_m`. It looks at every pixel on it.
 bool isClear(const ViewFrame& frame, const Vec3& from_W, const Vec3& to_W, double most_m) {
   const auto from = frame.camera.project(from_W), to = frame.camera.project(to_W);
   if (!from || !to) return false;
@@ -81,11 +93,7 @@ std::optional<PointerTarget> PointerTool::follow(const ViewFrame& frame, double 
   const double now_m = behind_m(frame, tool_W).value_or(deepest_m);
   const double most_m = presses ? deepest_m : std::clamp(now_m, 0.0, deepest_m);
   if (isClear(frame, tool_W, *to_W, most_m)) return PointerTarget(*to_W);
-  double nearest_m = std::numeric_limits<double>::infinity();  // of the pixel and its neighbours: before all of them
-  for (int down = -1; down <= 1; ++down) {
-    for (int right = -1; right <= 1; ++right)
-      nearest_m = std::min(nearest_m, distanceAt(frame, x + right, y + down).value_or(nearest_m));
-  }
+  const double nearest_m = distancesAround(frame, x, y).nearest_m;
   if (!std::isfinite(nearest_m)) return PointerTarget(*to_W, *to_W);  // where nothing is
   const double lift_m = std::min(reach.lift_m, nearest_m / 2);
   return PointerTarget(*to_W, frame.camera.position_W + (nearest_m - lift_m) * frame.camera.rayThrough(x, y));

@@ -54,9 +54,8 @@ struct SculptRequest {
 
 class SculptSession final : public SculptSide {
  public:
-  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, as readJournal and checkStart do,
-  // kBadInput for a device that a window cannot have, and kCancelled on Ctrl-C. Edits that are made again can be
-  // undone.
+  // Throws Error as loadVolume, Engine, EditSession and TouchRig do, as readJournal and checkStart do, kBadInput for a
+  // device that a window cannot have, and kCancelled on Ctrl-C. Edits that are made again can be undone.
   SculptSession(const SculptRequest& request, Progress& progress);
   ~SculptSession() override;  // as close(); drops failures
   SculptSession(const SculptSession&) = delete;

@@ -82,8 +82,8 @@ void Onlookers::hand(const ViewFrame& frame) {
   current_->is_whole_ = frame.whole;
   current_->version_ = frame.edit_version;
   current_->seen_ = current_->wanted_;
-  static_cast<void>(
-      current_->memory_.put(frame.camera, frame.pixels, frame.edit_version, frame.fine, frame.whole));  // it has room
+  // It has room: show() has looked.
+  static_cast<void>(current_->memory_.put(frame.camera, frame.pixels, frame.edit_version, frame.fine, frame.whole));
 }
 
 // What cannot be drawn leaves what was seen before, which is kept up to date.
@@ -140,8 +140,8 @@ std::optional<PointerTarget> Onlookers::takeAim() {
   const std::lock_guard lock(mutex_);
   for (const auto& one : list_) {
     const std::optional<PointerTarget> aim = one->aims_.take();
-    if (!aim || one->last_aim_ == aim->hip_W)
-      continue;  // a pointer at rest leads nothing, though its tool would leap back
+    // A pointer at rest leads nothing, though its tool would leap back.
+    if (!aim || one->last_aim_ == aim->hip_W) continue;
     one->last_aim_ = aim->hip_W;
     newest = aim;
   }

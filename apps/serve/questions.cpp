@@ -117,12 +117,15 @@ void Questions::inOrder(const Done& done, const std::function<void()>& request, 
 void Questions::setLive(const wire::AskT& ask, const Done& done) {
   checkWords(ask, 2, 2);
   const std::string key = ask.words[0];
+  const bool is_isovalue = key == "isovalue";
   served_.change(
       withLiveSetting(served_.scene(), key, ask.words[1]),
-      [this, done, key](const std::optional<Error>& refusal) {
-        done(refusal, refusal ? "" : settingsText(served_.scene(), std::span(&key, 1)) + warningLines());
+      [this, done, key, is_isovalue](const std::optional<Error>& refusal) {
+        if (refusal) return done(refusal, {});
+        const std::string stairs = is_isovalue ? served_.stairs() : "";
+        done({}, settingsText(served_.scene(), std::span(&key, 1)) + warningLines() + stairs);
       },
-      key == "isovalue" ? ServedVolume::Awaits::kTheIsovalue : ServedVolume::Awaits::kAnotherIsovalue);
+      is_isovalue ? ServedVolume::Awaits::kTheIsovalue : ServedVolume::Awaits::kAnotherIsovalue);
 }
 
 std::string Questions::warningLines() const {
@@ -133,8 +136,11 @@ std::string Questions::warningLines() const {
 
 void Questions::filter(const wire::AskT& ask, const Done& done) {
   checkWords(ask, 1, 1);
-  served_.filter(ask.words[0], [done, chain = ask.words[0]](const std::optional<Error>& refusal) {
-    done(refusal, chain.empty() ? "felt as it is, without filters" : "felt through " + chain);
+  served_.filter(ask.words[0], [&served = served_, done, chain = ask.words[0]](const std::optional<Error>& refusal) {
+    if (refusal) return done(refusal, {});
+    const std::string stairs = served.stairs();
+    done({}, (chain.empty() ? "felt as it is, without filters" : "felt through " + chain) +
+                 (stairs.empty() ? "" : "; " + stairs));
   });
 }
 

@@ -69,6 +69,11 @@ std::vector<std::string> ServedVolume::warnings() const {
   return rig_ != nullptr ? rig_->warnings(settingsOf(scene())) : std::vector<std::string>{};
 }
 
+std::string ServedVolume::stairs() const {
+  const Scene now = scene();
+  return engine_->live().stairsAt(now.isovalue.value_or(first_isovalue_), servedPlan(now));
+}
+
 void ServedVolume::heedRig(TouchRig& rig) {
   const double isovalue = rig.settings().parameters.isovalue;  // first: it is this one that has settled
   if (const std::optional<Error> refusal = rig.takeRefusal()) {

@@ -95,6 +95,8 @@ class ServedVolume {
   void change(const Scene& scene, Done done, Awaits awaits = Awaits::kAnotherIsovalue);
   // What of the settings the servo's device cannot render, one line each; empty, too, while there is no servo.
   [[nodiscard]] std::vector<std::string> warnings() const;
+  // What a user should know of a volume of few values at its isovalue and with its filters (LiveVolume::stairsAt).
+  [[nodiscard]] std::string stairs() const;
   [[nodiscard]] ServedStatus status() const;
 
   // A client looks on, until leave(): it has memory of its own, which it shares with the engine. The brush that it lets

@@ -107,8 +107,7 @@ std::string dampingWarning(const RigSettings& settings, const Worst& worst, cons
   const double most = dampingBound(worst.loop, kSoftest_N_per_m) / 2;
   return fmt::format(
       "a damping of {:g} N s/m is more than this device can render {}, so the contact will shake at any stiffness; "
-      "give "
-      "at most {:g} N s/m{}",
+      "give at most {:g} N s/m{}",
       settings.parameters.damping_Ns_per_m, conditionWords(worst.loop), twoDigits(most, std::floor),
       other(worst, stiffestWall(settings, device, worst.damping_Ns_per_m), device.limits()));
 }

@@ -4,15 +4,14 @@
 //
 // The exact limit is one of small swings: a tool that leaves the surface, or that the surface would have to pull, is in
 // another system. So the contact begins on a softer wall, and rests there. Then the servo goes over to stiffer ones, as
-// it does when a user changes the stiffness, up to the wall in question. That leaves the
-// tool in contact with a small swing, and what the swing does next is what counts. It is measured by the second
-// difference of the tool's way, in which the slow motion of the hand does not show. The wall is stable if that is
-// smaller in the last quarter of the watched time than in the one before, or that of a swing
-// below kStill_m. The watched time is
-// kWatch_s, kWatchTicks, or kWatchDecays times that in which the friction of hand and device alone stops their mass,
-// whichever is longest: so much must pass until a small growth is seen. The limit is found between walls that are
-// stable and walls that are not, without the exact one. Units: SI. Cost: some twenty runs of a few times the watched
-// time: 0.3 s, for a mass of 10 kg 10 s.
+// it does when a user changes the stiffness, up to the wall in question. That leaves the tool in contact with a small
+// swing, and what the swing does next is what counts. It is measured by the second difference of the tool's way, in
+// which the slow motion of the hand does not show. The wall is stable if that is smaller in the last quarter of the
+// watched time than in the one before, or that of a swing below kStill_m. The watched time is kWatch_s, kWatchTicks, or
+// kWatchDecays times that in which the friction of hand and device alone stops their mass, whichever is longest: so
+// much must pass until a small growth is seen. The limit is found between walls that are stable and walls that are not,
+// without the exact one. Units: SI. Cost: some twenty runs of a few times the watched time: 0.3 s, for a mass of 10 kg
+// 10 s.
 #pragma once
 
 #include <string>

@@ -2,8 +2,8 @@
 // apps/study/mask_bench.hpp: `palpate bench masks`: how masks are felt, as they are and through each filter that might
 // help, against the exact surface of the body that was masked.
 //
-// Nothing is timed: every figure is the same on every machine for the same seed. Rows by "part": "mask", one for each
-// shape, chain and operator; "note". One thread. Throws Error as gpu::Gpu does, and Error(kCancelled) on Ctrl-C.
+// Nothing is timed: every figure is the same on every machine for the same seed. The rows are of part "mask", one for
+// each shape, chain and operator. One thread. Throws Error as gpu::Gpu does, and Error(kCancelled) on Ctrl-C.
 #pragma once
 
 #include <cstdint>

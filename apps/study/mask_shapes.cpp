@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/study/mask_shapes.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "apps/bench/random.hpp"
@@ -73,13 +71,6 @@ const std::vector<MaskShape>& maskShapes() {
        .spacing_m = slices_m,
        .depth_mm = 2}};
   return kShapes;
-}
-
-const MaskShape& maskShape(const std::string& name) {
-  const auto& all = maskShapes();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const MaskShape& one) { return one.name == name; });
-  if (found == all.end()) throw std::out_of_range(name);
-  return *found;
 }
 
 std::unique_ptr<Phantom> makeMask(const MaskShape& shape, std::uint64_t seed) {

@@ -27,7 +27,6 @@ struct MaskShape {
 // Balls of 6 to 40 voxels, a box with sharp edges, a tube, a thin wall; a ball and a box on slices three times as thick
 // as their pixels are wide.
 [[nodiscard]] const std::vector<MaskShape>& maskShapes();
-[[nodiscard]] const MaskShape& maskShape(const std::string& name);  // throws std::out_of_range
 
 // Its densities are the mask's, its offsets those of the exact surface. `seed`: of turn and place.
 [[nodiscard]] std::unique_ptr<Phantom> makeMask(const MaskShape& shape, std::uint64_t seed);

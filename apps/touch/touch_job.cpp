@@ -505,8 +505,8 @@ TouchRun TouchJob::tell() {
   run_.libraries = mappedLibraries();
   if (run_.ended_early.empty()) progress_.stage("writing " + scene_.out);
   writeOutputs(run_, view, *folder_);
-  if (servo_.recording())
-    saveRecording(scene_.record, *servo_.recording());  // last: a full disk then leaves the report
+  // Last: a full disk then leaves the report.
+  if (servo_.recording()) saveRecording(scene_.record, *servo_.recording());
   tellWhatIsKept("what was felt is in " + scene_.out);
   progress_.done();
   return std::move(run_);

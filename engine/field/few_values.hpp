@@ -7,7 +7,8 @@
 // density rises over more than one voxel, and the surface lies anywhere between two.
 //
 // Thread: any, while nobody changes the volume. Cost: of a scan of 12 bits some microseconds, since its values are soon
-// too many; otherwise one pass over the stored bricks, which takes one and a half times as long as statisticsOf().
+// too many. Of one of 8 bits a pass over the stored bricks, which takes half as long as statisticsOf(). Of a mask or a
+// map of labels a second pass, in which all values are looked up; together 10 to 25 ms for 256^3.
 #pragma once
 
 #include <optional>

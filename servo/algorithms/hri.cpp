@@ -186,22 +186,34 @@ void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept 
 }
 
 // The HIP has left the sheet, or the sheet is gone (`gone`). Looks for another surface between VHIP and HIP, and, for a
-// HIP inside, outward of the HIP. If the sheet is gone, a HIP that the window does not show counts as inside.
+// HIP inside, outward of the HIP. If the sheet is gone, a HIP that the window does not show counts as inside: then the
+// way out is sought from the VHIP, and a VHIP in the air goes on as a free tool until a window shows the HIP.
 void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept {
   // Rounding may have put the VHIP in the object, so the search begins a little in front of it.
-  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * (IsoField::kStandOff * field_->voxel()));
+  const double stand_off_m = IsoField::kStandOff * field_->sampler().voxelAlong(surface_.normal_W);
+  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * stand_off_m);
+  const bool unseen = gone && hip.side == Side::kUnknown;
+  const bool inside = unseen || hip.side == Side::kInside;
   const auto entry = field_->firstEntry(start, hip);
-  if (entry && touch(*entry, hip, faults)) return;
-  if (hip.side == Side::kInside) {  // both inside
-    const auto way_out = field_->firstExit(hip, hip.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
-    if (way_out && touch(*way_out, hip, faults)) return;
+  if (entry && touch(*entry, hip, inside, faults)) return;
+  if (unseen && start.side == Side::kOutside) {
+    release(start);
+    held_ = resumed_ = true;
+    faults |= bit(ServoFault::kBeyondWindow);
+    return;
+  }
+  if (inside) {  // both inside
+    const Probe& from = unseen ? start : hip;
+    const auto way_out = field_->firstExit(from, from.p_W + surface_.normal_W * (kOutwardSearch * field_->voxel()));
+    if (way_out && touch(*way_out, hip, inside, faults)) return;
     // Over an edge the normal may turn by more than a right angle. The nearest way out may be taken, but not the one
     // that leads through the object.
-    const auto aside = field_->nearestExit(hip);
-    if (aside && surface_.normal_W.dot(-aside->direction_W) > kMostBackward && touch(*aside, hip, faults)) return;
+    const auto aside = field_->nearestExit(from);
+    if (aside && surface_.normal_W.dot(-aside->direction_W) > kMostBackward && touch(*aside, hip, inside, faults))
+      return;
   }
   release(hip);
-  if (hip.side == Side::kInside || (gone && hip.side == Side::kUnknown)) {
+  if (inside) {
     tool_ = Tool::kLost;
     faults |= bit(ServoFault::kSurfaceLost);
   }
@@ -210,7 +222,7 @@ void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) no
 // An edit has buried the tool.
 void HriSurface::takeNearestExit(const Probe& hip, std::uint32_t& faults) noexcept {
   const auto way_out = field_->nearestExit(hip);
-  if (!way_out || !touch(*way_out, hip, faults)) return;
+  if (!way_out || !touch(*way_out, hip, true, faults)) return;
   faults &= ~(bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost));
 }
 
@@ -246,7 +258,9 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   }
   if (tool_ == Tool::kFree) {
     const auto entry = field_->firstEntry(free_, hip);
-    if (entry && touch(*entry, hip, faults)) return;
+    if (entry && touch(*entry, hip, hip.side == Side::kInside, faults)) return;
+    // Its entry lies where no window has shown it.
+    if (!entry && hip.side == Side::kInside) tool_ = Tool::kInside;
   }
   if (hip.side == Side::kOutside) {
     tool_ = Tool::kFree;
@@ -256,8 +270,9 @@ void HriSurface::moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept {
   }
 }
 
-// Begins contact at an entry, if the HIP is behind the plane at the surface point nearest to it.
-bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept {
+// Begins contact at an entry, if the HIP is behind the plane at the surface point nearest to it. `inside`: the HIP is
+// taken to be in the object.
+bool HriSurface::touch(const Entry& entry, const Probe& hip, bool inside, std::uint32_t& faults) noexcept {
   SurfacePoint surface{entry.p_W, -entry.direction_W, entry.face};
   bool flat = false;
   if (entry.face.any()) {
@@ -282,7 +297,7 @@ bool HriSurface::touch(const Entry& entry, const Probe& hip, std::uint32_t& faul
   }
   // If the search strays, the plane at the entry itself still holds a HIP that is in the object. If noise turns the
   // normal of that plane away, the plane across the line from the HIP is taken.
-  if (hip.side != Side::kInside) return false;
+  if (!inside) return false;
   if (!behind(surface)) surface.normal_W = (entry.p_W - hip.p_W).normalized();
   if (!behind(surface)) return false;
   begin(surface, hip.p_W);
@@ -298,7 +313,6 @@ void HriSurface::begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept 
   settle(hip_W);
 }
 
-// Begins the life of a plane: from here it holds as far as its error allows.
 // The squared lateral distance for which a plane holds [m^2]. `per_turn_squared`: see the member [voxel^2].
 double HriSurface::reachSquared(double per_turn_squared, double depth_m, double voxel_m) noexcept {
   const double off_m = std::max(kMostOff * depth_m, kLeastOff * voxel_m);
@@ -312,6 +326,7 @@ double HriSurface::planeAgeError(const PlaneAge& age) noexcept {
   return age.sag(std::min(age.way(age.n), longest_m));
 }
 
+// Begins the life of a plane: from here it holds as far as its error allows.
 void HriSurface::settle(const Vec3& hip_W) noexcept {
   renewed_at_W_ = hip_W;
   age_ticks_ = 0;

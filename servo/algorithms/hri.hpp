@@ -12,10 +12,10 @@
 //   press through a thin wall does not lose the wall. Free motion is searched along its whole path, so no stroke jumps
 //   a wall.
 // - If the surface cannot be found again with the HIP in the object, the nearest way out that does not lead back
-// through
-//   the object is taken. Without one kSurfaceLost fades the force until the HIP has
-//   been outside. If the surface could not be followed as far as the HIP went, kPlaneBehind fades the force until it
-//   has been, with one search a tick.
+//   through the object is taken. If the window does not show the HIP, the way out is sought from the VHIP, or a VHIP in
+//   the air goes on as a free tool. Without a way out kSurfaceLost fades the force until the HIP has been outside. If
+//   the surface could not be followed as far as the HIP went, kPlaneBehind fades the force until it has been, with one
+//   search a tick.
 // - If VHIP and HIP are both inside (the surface moved), the search goes outward along N, then follows the surface as
 //   always.
 // - A tool that starts inside feels no force until the HIP has been outside once (kInsideObject).
@@ -104,7 +104,7 @@ class HriSurface {
   void renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept;
   void relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept;
   void moveFreely(const Vec3& hip_W, std::uint32_t& faults) noexcept;
-  [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, std::uint32_t& faults) noexcept;
+  [[nodiscard]] bool touch(const Entry& entry, const Probe& hip, bool inside, std::uint32_t& faults) noexcept;
   void begin(const SurfacePoint& surface, const Vec3& hip_W) noexcept;
   [[nodiscard]] static double reachSquared(double per_turn_squared, double depth_m, double voxel_m) noexcept;
   void settle(const Vec3& hip_W) noexcept;

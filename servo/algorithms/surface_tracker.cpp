@@ -77,7 +77,7 @@ class Pace {
 // The mean normal of the patch around p.
 [[gnu::noinline, gnu::cold]] Vec3 meanNormal(const IsoField& field, const Vec3& p_W, const Vec3& normal_W,
                                              double depth_m) noexcept {
-  const SurfacePatch patch(field.sampler(), p_W, normal_W, SurfacePatch::spreadOf(depth_m / field.voxel()));
+  const SurfacePatch patch(field.sampler(), p_W, normal_W, {.depth_m = depth_m});
   return patch.known() ? patch.normal() : normal_W;
 }
 

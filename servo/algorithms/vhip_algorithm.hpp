@@ -58,6 +58,8 @@ class VhipAlgorithm final : public Algorithm {
         felt_(parameters.isovalue, parameters.rate_hz),
         met_(parameters.isovalue, parameters.rate_hz),
         slack_voxels_(kCatchUp / parameters.rate_hz),
+        met_normal_lead_W_(parameters.rate_hz),
+        met_depth_lead_m_(parameters.rate_hz),
         objects_(std::move(objects), isosurface),
         ease_(parameters.rate_hz) {}
 
@@ -161,16 +163,31 @@ class VhipAlgorithm final : public Algorithm {
     const ContactPlane found = shown();
     const Vec3 tool_W = objects_.volumeTool(in.hip_W, held(), &found);
     volume_plane_.reset();
-    if (find(*in.window, tool_W, faults)) volume_plane_ = met(*in.window, tool_W);
+    if (find(*in.window, tool_W, faults)) {
+      volume_plane_ = met(*in.window, tool_W);
+    } else {
+      releaseMet();
+    }
     return objects_.settle(in.hip_W, held(), slack_voxels_ * in.window->lattice.smallestSpacing());
   }
 
   // The volume's plane where it meets objects. In a groove of the angle a, an error of the plane moves the VHIP by 1 /
-  // sin(a) of it. So the plane is that of the felt surface there.
+  // sin(a) of it. So the plane is that of the felt surface there. When the object is gone, the felt plane goes over to
+  // the plane itself.
   [[nodiscard]] ContactPlane met(const SampleWindow& window, const Vec3& tool_W) noexcept {
-    const ContactPlane plane = shown();
-    const double sine = objects_.sharpest(plane.normal_W);
+    const ContactPlane found = shown();
+    ContactPlane plane = found;
+    if (met_normal_lead_W_.active() || met_depth_lead_m_.active()) {
+      plane.normal_W = (found.normal_W - met_normal_lead_W_.elapse()).normalized();
+      plane.p_W = tool_W + (found.depth(tool_W) - met_depth_lead_m_.elapse()) * plane.normal_W;
+    }
+    const double sine = objects_.sharpest(found.normal_W);
     if (!(sine < 1)) {
+      if (meets_) {
+        met_normal_lead_W_.take(found.normal_W - met_plane_.normal_W);
+        met_depth_lead_m_.take(found.depth(tool_W) - met_plane_.depth(tool_W));
+        plane = met_plane_;
+      }
       met_.release();
       meets_ = false;
       return plane;
@@ -182,7 +199,14 @@ class VhipAlgorithm final : public Algorithm {
                                        .sharpness = 1 / std::max(sine, kSharpest),
                                        .window = &window});
     meets_ = true;
-    return {felt.p_W, felt.normal_W, plane.age_ticks};
+    return met_plane_ = {felt.p_W, felt.normal_W, plane.age_ticks};
+  }
+
+  void releaseMet() noexcept {
+    met_.release();
+    meets_ = false;
+    met_normal_lead_W_.end();
+    met_depth_lead_m_.end();
   }
 
   void giveNoForce(const TickInput& in, TickOutput& out) noexcept {
@@ -198,6 +222,7 @@ class VhipAlgorithm final : public Algorithm {
 
   void release() noexcept {
     touching_ = false;
+    releaseMet();
     felt_.release();
     for (auto& effect : effects_) effect->release();
   }
@@ -228,7 +253,8 @@ class VhipAlgorithm final : public Algorithm {
                                                      .begins = !touching_,
                                                      .on_volume = on_volume,
                                                      .window = in.window})};
-      ContactPush moved{.vhip_W = out.vhip_W, .energy_m2 = 0.5 * depth_m * depth_m};
+      ContactPush moved{
+          .vhip_W = out.vhip_W, .surface_d_W = out.vhip_W - in.hip_W, .energy_m2 = 0.5 * depth_m * depth_m};
       for (auto& effect : effects_) {
         effect->move(contact, moved);
         ++out.effects;
@@ -256,10 +282,14 @@ class VhipAlgorithm final : public Algorithm {
   double stiffness_N_per_m_;
   double damping_Ns_per_m_;
   ContactEffects effects_;
-  FeltSurface felt_;       // that the effects see; used only where there are any
-  FeltSurface met_;        // that objects meet
-  bool meets_ = false;     // one did in the last tick
-  double slack_voxels_;    // of the VHIP in a groove, a tick
+  FeltSurface felt_;        // that the effects see; used only where there are any
+  FeltSurface met_;         // that objects meet
+  bool meets_ = false;      // one did in the last tick
+  ContactPlane met_plane_;  // of the last tick in which one did
+  double slack_voxels_;     // of the VHIP in a groove, a tick
+  // How far the volume's plane is ahead of the one that is shown, after an object was met.
+  EditLead<Vec3> met_normal_lead_W_;
+  EditLead<double> met_depth_lead_m_;
   EnergyAccount account_;  // bounds the energy that the effects give
   ObjectContacts objects_;
   std::optional<ContactPlane> volume_plane_;  // with objects: the plane of the last tick, in contact

@@ -37,8 +37,10 @@ struct ContactState {
 // The contact as the plane and the effects so far have made it.
 struct ContactPush {
   Vec3 vhip_W = Vec3::Zero();  // [m]
-  double energy_m2 = 0;        // U / K: energy that the tool gets back if it is drawn straight out
-  double stiffness = 1;        // stiffness of the contact here, over K [-]
+  // d of the surface alone: plane and force shading, without what later effects lay over them [m].
+  Vec3 surface_d_W = Vec3::Zero();
+  double energy_m2 = 0;  // U / K: energy that the tool gets back if it is drawn straight out
+  double stiffness = 1;  // stiffness of the contact here, over K [-]
 };
 
 class ContactEffect {

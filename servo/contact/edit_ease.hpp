@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/contact/edit_ease.hpp: takes in what an edit adds to a contact evenly over kTime_s, not at once.
+// servo/contact/edit_ease.hpp: takes in what an edit changes at a contact evenly over kTime_s, not at once.
 //
-// The whole is the quantity that pushes: the depth behind a plane [m], or a force [N]. What is shown is the whole less
-// an amount. What an edit adds goes into the amount, so the shown quantity goes on as it was. For a free tool it begins
-// at zero. The amount drains in equal steps, within kTime_s after the last addition. A later addition never slows the
-// draining. The amount never exceeds the whole, so nothing pulls, and a tool that comes out by itself needs no more
-// easing. What an edit takes away is not eased. So through edits the shown quantity rises by at most E / ticks() a
-// tick, with E the largest amount that there was.
-// Thread: the servo's; no heap, lock, system call or throw. Cost: a few additions, only in ticks with an amount.
+// EditEase is for a quantity that pushes. The whole is the quantity that pushes: the depth behind a plane [m], or a
+// force [N]. What is shown is the whole less an amount. What an edit adds goes into the amount, so the shown quantity
+// goes on as it was. For a free tool it begins at zero. The amount drains in equal steps, within kTime_s after the last
+// addition. A later addition never slows the draining. The amount never exceeds the whole, so nothing pulls, and a tool
+// that comes out by itself needs no more easing. What an edit takes away is not eased. So through edits the shown
+// quantity rises by at most E / ticks() a tick, with E the largest amount that there was.
+//
+// EditLead is for all else that an edit changes: normals, curvatures, fields. It holds how far the thing as it is now
+// is ahead of the thing as it is shown, of any sign, and drains by the same rule. Thread: the servo's; no heap, lock,
+// system call or throw. Cost: a few additions, only in ticks with an amount.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace palpate {
 
@@ -44,6 +48,53 @@ class EditEase {
   double ticks_;
   double amount_ = 0;
   double step_ = 0;  // by which the amount shrinks in each tick
+};
+
+// `Quantity`: a double, or a vector or matrix of Eigen.
+template <class Quantity>
+class EditLead {
+ public:
+  explicit EditLead(double rate_hz) noexcept : ticks_(EditEase(rate_hz).ticks()) { end(); }
+
+  // An edit has changed the thing by `turn`.
+  void take(const Quantity& turn) noexcept {
+    lead_ += turn;
+    step_ = std::max(step_, size(lead_) / ticks_);
+  }
+  // Call once a tick, after take(). Gives what is to be taken off the thing as it is.
+  const Quantity& elapse() noexcept {
+    if (!active()) return lead_;
+    const double size_before = size(lead_);
+    if (size_before > step_) {
+      lead_ *= 1 - step_ / size_before;
+    } else {
+      end();
+    }
+    return lead_;
+  }
+  void end() noexcept {
+    lead_ = zero();
+    step_ = 0;
+  }
+  [[nodiscard]] bool active() const noexcept { return step_ > 0; }
+
+ private:
+  static Quantity zero() noexcept {
+    if constexpr (std::is_arithmetic_v<Quantity>)
+      return 0;
+    else
+      return Quantity::Zero();
+  }
+  static double size(const Quantity& quantity) noexcept {
+    if constexpr (std::is_arithmetic_v<Quantity>)
+      return std::abs(quantity);
+    else
+      return quantity.norm();
+  }
+
+  double ticks_;
+  Quantity lead_;
+  double step_;  // by which the lead shrinks in each tick
 };
 
 }  // namespace palpate

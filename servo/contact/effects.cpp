@@ -102,12 +102,12 @@ std::string contactEffectNames(const EffectParameters& p) {
 }
 
 double mostStiffening(const EffectParameters& p) noexcept {
-  constexpr double kByTexture = 4;
-  double most = p.force_shading ? std::hypot(1.0, ForceShading::kSteepest) : 1;
-  if (p.texture != TextureKind::kNone && p.texture_amplitude_m > 0) most *= kByTexture;
-  if (p.stiffness_by_density.empty()) return most;
-  const auto largest = std::ranges::max_element(p.stiffness_by_density, {}, &StiffnessRow::factor);
-  return most * largest->factor;
+  double most = p.force_shading ? std::hypot(1.0, ForceShading::kMostTurned) : 1;
+  if (p.texture != TextureKind::kNone && p.texture_amplitude_m > 0) most *= kStiffeningTexture;
+  // Where objects hold the tool, K is whole, even if no density of the volume is that stiff.
+  double largest = 1;
+  for (const StiffnessRow& row : p.stiffness_by_density) largest = std::max(largest, row.factor);
+  return most * largest;
 }
 
 bool holdAside(const EffectParameters& p) noexcept {

@@ -49,10 +49,10 @@ struct EffectParameters {
 
 // By how much the effects multiply the contact's stiffness at most [-]: the largest change of the force for a motion of
 // the tool along the normal, over K.
-// - Force shading turns the force by up to atan(kSteepest), so it is sqrt(1 + kSteepest^2) as long: 1.41.
+// - Force shading turns the force by up to 30 degrees, so it is up to 1 / cos(30 degrees) as long: 1.15.
 // - Texture stores K D'^2 / 2 with D' = D + h s(D). That bends by (1 + h / A)^2 at D = 0 where h > 0, and by 1.5 at D =
 //   2A where h = -A; so by 4 at most (texture.hpp).
-// - Stiffness by density: the table's largest factor.
+// - Stiffness by density: the table's largest factor, at least 1, which other objects keep.
 // Recovery and friction add no stiffness along the normal.
 [[nodiscard]] double mostStiffening(const EffectParameters& parameters) noexcept;
 

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "servo/contact/edit_ease.hpp"
 #include "servo/contact/felt_surface.hpp"
@@ -20,14 +19,14 @@ namespace palpate {
 
 class FeltField {
  public:
-  explicit FeltField(double rate_hz) noexcept : ease_ticks_(std::max(1.0, std::round(EditEase::kTime_s * rate_hz))) {}
+  explicit FeltField(double rate_hz) noexcept : value_ahead_(rate_hz), gradient_ahead_W_(rate_hz) {}
 
   // `below_m` under the felt point, which has a window. `number`: as for LatticeSpline. Once per tick.
   template <class Number>
   [[nodiscard]] LatticeSpline::At at(const FeltPoint& felt, double below_m, const Number& number) noexcept {
     const Vec3 p_W = felt.now_W - below_m * felt.normal_W;
     LatticeSpline::At at = places_[0].at(*felt.window, p_W, number);
-    if (felt.roughness > kSmooth) {
+    if (felt.roughness > kMeanFrom) {
       LatticeSpline::At sum = at;
       for (std::size_t i = 0; i < 6; ++i) {
         const Vec3 way_W = i % 2 == 0 ? felt.patch_W[i / 2] : Vec3(-felt.patch_W[i / 2]);
@@ -36,7 +35,7 @@ class FeltField {
         sum.value += there.value;
         sum.gradient_W += there.gradient_W;
       }
-      const double share = std::min(1.0, (felt.roughness - kSmooth) / (kRough - kSmooth));
+      const double share = std::min(1.0, (felt.roughness - kMeanFrom) / (kAllMean - kMeanFrom));
       at.value += share * (sum.value / 7 - at.value);
       at.gradient_W += share * (sum.gradient_W / 7 - at.gradient_W);
     }
@@ -45,38 +44,32 @@ class FeltField {
 
   void release() noexcept {
     for (LatticeSpline& place : places_) place.forget();
-    ahead_ticks_ = 0;
+    value_ahead_.end();
+    gradient_ahead_W_.end();
     has_last_ = false;
   }
 
  private:
-  static constexpr double kSmooth = 0.05, kRough = 0.3;  // roughness at which the mean begins, and is all
+  static constexpr double kMeanFrom = 0.05, kAllMean = 0.3;  // roughness at which the mean begins, and is all [-]
 
   // After an edit the field goes on from where it was.
   [[nodiscard]] LatticeSpline::At eased(const FeltPoint& felt, const Vec3& p_W, LatticeSpline::At at) noexcept {
     if (felt.edited && has_last_) {
-      ahead_.value = at.value - last_.value - last_.gradient_W.dot(p_W - last_p_W_);
-      ahead_.gradient_W = at.gradient_W - last_.gradient_W;
-      ahead_ticks_ = ease_ticks_;
-    }
-    if (ahead_ticks_ > 0) {
-      const double left = 1 - 1 / ahead_ticks_;
-      ahead_.value *= left;
-      ahead_.gradient_W *= left;
-      --ahead_ticks_;
-      at.value -= ahead_.value;
-      at.gradient_W -= ahead_.gradient_W;
+      value_ahead_.take(at.value - last_.value - last_.gradient_W.dot(p_W - last_p_W_));
+      gradient_ahead_W_.take(at.gradient_W - last_.gradient_W);
     }
     last_ = at;
+    at.value -= value_ahead_.elapse();
+    at.gradient_W -= gradient_ahead_W_.elapse();
     last_p_W_ = p_W;
     has_last_ = true;
     return at;
   }
 
   std::array<LatticeSpline, 7> places_;
-  double ease_ticks_;
-  double ahead_ticks_ = 0;
-  LatticeSpline::At ahead_, last_;
+  EditLead<double> value_ahead_;  // by how much the field as it is is ahead of what is felt
+  EditLead<Vec3> gradient_ahead_W_;
+  LatticeSpline::At last_;  // as it was, uneased
   Vec3 last_p_W_ = Vec3::Zero();
   bool has_last_ = false;
 };

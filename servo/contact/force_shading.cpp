@@ -14,8 +14,11 @@ void ForceShading::move(const ContactState& contact, ContactPush& push) noexcept
   const Vec3 aside_W = contact.felt.normal_W - cosine * normal_W;  // as long as the sine of the angle
   const double sine = aside_W.norm();
   if (!(sine > 0)) return;
-  const double tangent = std::min({sine / cosine, kSteepest, 2 * cosine * kSteepest});
-  push.vhip_W += depth_m * tangent / sine * aside_W;
+  const double tangent = std::min({sine / cosine, kMostTurned, 2 * cosine});
+  const double aside_m = tangent * depth_m;
+  const Vec3 turn_W = aside_m / sine * aside_W;
+  push.vhip_W += turn_W;
+  push.surface_d_W += turn_W;
 }
 
 }  // namespace palpate

@@ -21,6 +21,7 @@ void Recovery::release() noexcept {
 void Recovery::forget() noexcept {
   if (pending_ticks_ > 0) std::fill(ending_.begin(), ending_.end(), Units::Zero());
   pending_ticks_ = 0;
+  largest_m_ = 0;
   offset_.setZero();
   slope_.setZero();
 }
@@ -28,6 +29,7 @@ void Recovery::forget() noexcept {
 void Recovery::decay() noexcept {
   if (pending_ticks_ == 0) return;
   --pending_ticks_;
+  largest_m_ -= largest_m_ / static_cast<double>(ticks_);
   offset_ -= slope_;
   slot_ = slot_ + 1 == ending_.size() ? 0 : slot_ + 1;
   slope_ -= ending_[slot_];
@@ -50,6 +52,17 @@ void Recovery::takeUp(const Vec3& jump_W) noexcept {
   slope_ += share;
   ending_[slot_] += share;  // the slot comes round in N ticks
   pending_ticks_ = ticks_;
+  largest_m_ = std::max(largest_m_, jump_W.norm());
+}
+
+// What is left of the offset where the tool may soon leave the surface.
+Vec3 Recovery::offsetAt(double depth_m, const Vec3& normal_W) const noexcept {
+  const Vec3 offset_W = offset();
+  const double most_m = largest_m_ + std::max(0.0, depth_m);
+  const double out_m = offset_W.dot(normal_W);
+  const Vec3 aside_W = offset_W - out_m * normal_W;
+  const double aside_m = aside_W.norm();
+  return std::min(out_m, most_m) * normal_W + (aside_m > most_m ? Vec3(aside_W * (most_m / aside_m)) : aside_W);
 }
 
 void Recovery::move(const ContactState& contact, ContactPush& push) noexcept {
@@ -69,7 +82,7 @@ void Recovery::move(const ContactState& contact, ContactPush& push) noexcept {
   last_single_ = contact.single_plane;
   if (pending_ticks_ == 0) return;
   const Vec3& normal_W = contact.plane.normal_W;
-  const Vec3 kept_W = d_W + offset();
+  const Vec3 kept_W = d_W + offsetAt(normal_W.dot(d_W), normal_W);
   const double depth_m = normal_W.dot(kept_W);
   push.vhip_W = contact.hip_W + kept_W - normal_W * std::min(0.0, depth_m);
   push.energy_m2 = 0.5 * std::max(0.0, depth_m) * std::max(0.0, depth_m);

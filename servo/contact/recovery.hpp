@@ -12,6 +12,9 @@
 //   the VHIP is continuous by itself (closest_in_planes.hpp), and no single normal says how the old planes would move
 //   it.
 // - A first contact is no switch: there is no displacement to keep.
+// - A contact may end while jumps are kept. Then the force that they hold is gone in that tick. So no more of the offset
+//   is felt, out of the surface or along it, than the largest jump and the depth: what is lost at an end is about what
+//   one switch would have made. A jump is forgotten as by a low-pass filter of N ticks.
 // - The offset never makes the depth negative. In a tick in which it would, as much of its normal part is left out as
 //   needed. The VHIP then lies beside the HIP, and the contact neither pushes nor pulls along the normal.
 //
@@ -56,6 +59,7 @@ class Recovery final : public ContactEffect {
   void forget() noexcept;
   void decay() noexcept;
   void takeUp(const Vec3& jump_W) noexcept;
+  [[nodiscard]] Vec3 offsetAt(double depth_m, const Vec3& normal_W) const noexcept;
 
   std::int64_t ticks_;
   std::vector<Units> ending_;  // ring: for each slot, the shares that end in its tick
@@ -63,6 +67,7 @@ class Recovery final : public ContactEffect {
   std::int64_t pending_ticks_ = 0;  // until the youngest jump has decayed
   Units offset_ = Units::Zero();
   Units slope_ = Units::Zero();  // the sum of the jumps' shares, taken off the offset each tick
+  double largest_m_ = 0;         // jump that is not forgotten yet
   Vec3 last_d_W_ = Vec3::Zero();
   Vec3 last_hip_W_ = Vec3::Zero();
   Vec3 last_normal_W_ = Vec3::Zero();

@@ -12,14 +12,13 @@ void StiffnessByDensity::move(const ContactState& contact, ContactPush& push) no
   const FeltPoint& felt = contact.felt;
   if (felt.window != nullptr && felt.now_W.allFinite()) slope_W = slopeAtHip(felt);
   // What is softer than K is so for all of the contact. What is added to K is added to the felt surface: it does not
-  // jump where the plane does.
+  // jump where the plane does. So the energy there counts for the slope, too, on either side of a factor of 1.
   const double softer = std::min(1.0, factor_), harder = std::max(0.0, factor_ - 1);
   const double depth_m = contact.plane.depth(contact.hip_W);
   const Vec3 d_W = push.vhip_W - contact.hip_W;
-  const Vec3 felt_d_W = d_W + felt.depth_m * felt.normal_W - depth_m * contact.plane.normal_W;
+  const Vec3 felt_d_W = d_W + felt.depth_m * felt.normal_W - push.surface_d_W;
   const double felt_m2 = std::max(0.0, push.energy_m2 + 0.5 * (felt.depth_m * felt.depth_m - depth_m * depth_m));
-  const double slope_m2 = harder > 0 ? felt_m2 : push.energy_m2;
-  push.vhip_W = contact.hip_W + softer * d_W + harder * felt_d_W - slope_m2 * slope_W;
+  push.vhip_W = contact.hip_W + softer * d_W + harder * felt_d_W - felt_m2 * slope_W;
   push.energy_m2 = softer * push.energy_m2 + harder * felt_m2;
   push.stiffness *= factor_;
 }

@@ -20,7 +20,7 @@ Eigen::Matrix2d solveSymmetric(const Eigen::Matrix2d& A, const Eigen::Matrix2d& 
 }  // namespace
 
 SurfacePatch::SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W,
-                           double spread_voxels) noexcept {
+                           const Width& width) noexcept {
   const Fetch middle = sampler.at(p_W);
   gradients_W_[0] = middle.gradient_W;
   densities_[0] = middle.density;
@@ -28,7 +28,10 @@ SurfacePatch::SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Vec3 axis_W = sampler.faceNormal(static_cast<int>(axis), true);
     const Vec3 along_W = axis_W - normal_W * normal_W.dot(axis_W);
-    aside_W_[axis] = along_W * (spread_voxels * sampler.voxelAlong(along_W));
+    const double voxel_m = sampler.voxelAlong(along_W);
+    const double narrow = std::clamp(kSpread * width.depth_m / voxel_m, kLeastSpread, kMostSpread);
+    const double spread_voxels = narrow + width.wider * (kMostSpread - narrow);
+    aside_W_[axis] = along_W * (spread_voxels * voxel_m);
     for (const int way : {1, -1}) {
       const std::size_t i = 2 * axis + (way > 0 ? 1 : 2);
       const Fetch there = sampler.at(p_W + way * aside_W_[axis]);

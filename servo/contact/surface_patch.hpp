@@ -3,12 +3,12 @@
 // around it: mean normal, curvature, and how uneven it is.
 //
 // The six points lie along the lattice's axes projected onto the tangent plane, so they turn continuously with the
-// normal. Their distance from the point is given in voxels, each measured along its axis. So a slice of 5 mm counts as
-// one voxel. spreadOf() is the distance for a depth: a tip that presses deep feels only wide bumps.
+// normal. A tip that presses deep feels only wide bumps, so their distance from the point grows with the depth: it is
+// kSpread of it. But along each axis it is at least kLeastSpread voxels, measured along that axis, and at most
+// kMostSpread. So where slices are 5 mm apart, points one slice away are used.
 // - The mean normal is that of the sum of the seven gradients: steeper places count for more.
 // - The curvature is the symmetric matrix S with dN = S dp that fits the three differences of normals best, in the
-// sense
-//   of least squares. On a ball it is 1 / R.
+//   sense of least squares. On a ball it is 1 / R.
 // - The offset is how far the mean surface lies in front of the point. The curvature alone would put the surface at a
 //   point w aside by w S w / 2 behind the tangent plane, so it is given: that of one patch of a rough surface would add
 //   as much noise as the mean takes away.
@@ -17,7 +17,6 @@
 // Frame W: world [m]. Thread: the servo's. Cost: seven fetches, some 180 ns; curvature() some 50 ns more. Errors: none.
 #pragma once
 
-#include <algorithm>
 #include <array>
 
 #include "servo/window/window_sampler.hpp"
@@ -26,15 +25,18 @@ namespace palpate {
 
 class SurfacePatch {
  public:
-  static constexpr double kSpread = 1.0 / 6, kLeastSpread = 1.5, kMostSpread = 4;
+  static constexpr double kSpread = 1.0 / 6;   // of the depth [-]
+  static constexpr double kLeastSpread = 1.5;  // nearer, two points share most of their samples [voxel]
+  static constexpr double kMostSpread = 4;     // farther, they lie on different features of the object [voxel]
 
-  [[nodiscard]] static double spreadOf(double depth_voxels) noexcept {
-    return std::clamp(kSpread * depth_voxels, kLeastSpread, kMostSpread);
-  }
+  struct Width {
+    double depth_m = 0;  // of the press [m]
+    double wider = 0;    // 0 to 1: from the distance for that depth to the largest one [-]
+  };
 
   // Around `p_W`, which is on the surface or near it, in a sampler that has a window. `normal_W`: about the normal
   // there.
-  SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W, double spread_voxels) noexcept;
+  SurfacePatch(const WindowSampler& sampler, const Vec3& p_W, const Vec3& normal_W, const Width& width) noexcept;
 
   // From the point to the points ahead, for each axis [m].
   [[nodiscard]] const std::array<Vec3, 3>& ways() const noexcept { return aside_W_; }

@@ -27,7 +27,7 @@ void raise(const ContactState& contact, const LatticeSpline::At& height, double 
 // ---- procedural ----
 
 ProceduralTexture::ProceduralTexture(double amplitude_m, double wavelength_m) noexcept
-    : amplitude_m_(std::min(amplitude_m, kSteepestTexture * wavelength_m * std::sqrt(3.0) / (2 * std::numbers::pi))) {
+    : amplitude_m_(std::min(amplitude_m, kSteepest * wavelength_m * std::sqrt(3.0) / (2 * std::numbers::pi))) {
   // Turned so that no wave is within 28 degrees of an axis, and no two waves look alike on a plane across an axis.
   const Mat3 turned = (Eigen::AngleAxisd(2.5, Vec3::UnitZ()) * Eigen::AngleAxisd(0.5, Vec3::UnitX()) *
                        Eigen::AngleAxisd(2.0, Vec3::UnitZ()))
@@ -49,7 +49,7 @@ LatticeSpline::At ProceduralTexture::at(const Vec3& p_W) const noexcept {
 
 void ProceduralTexture::move(const ContactState& contact, ContactPush& push) noexcept {
   if (!(amplitude_m_ > 0)) return;
-  raise(contact, at(contact.felt.p_W), amplitude_m_, push);
+  raise(contact, at(contact.felt.place_W), amplitude_m_, push);
 }
 
 // ---- density ----

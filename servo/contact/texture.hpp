@@ -7,7 +7,7 @@
 // The stored energy grows by (D'^2 - D^2) / 2. The VHIP moves by minus the slope of that: D' (1 + h s') - D along the
 // normal, and -D' s grad h along the surface. So a bump holds the hand back on its way up and pushes it on down the
 // other side. Over the whole bump it gives no energy. shape_operator.hpp says what changes where the surface curves,
-// felt_surface.hpp where p is. No bump is steeper than kSteepestTexture, whatever the amplitude: on a flat surface the
+// felt_surface.hpp where p is. No bump is steeper than kSteepest, whatever the amplitude: on a flat surface the
 // texture turns the force by at most 45 degrees. Frame W: world [m]. Thread: move() and release() the servo's.
 #pragma once
 
@@ -18,7 +18,9 @@
 
 namespace palpate {
 
-inline constexpr double kSteepestTexture = 1;  // [-]
+// The most by which a texture multiplies the stiffness along the normal: at D = 0 the share s rises by 1 / A, so with h
+// = A the depth D' is 2 D, and K D'^2 / 2 bends by 4 K [-].
+inline constexpr double kStiffeningTexture = 4;
 
 // A solid texture that fills the world: the mean of kWaves plane waves of one wavelength. Their directions are those of
 // a regular tetrahedron, turned so that none lies along an axis. On a surface each wave shows as a wave of at least
@@ -59,7 +61,7 @@ class ProceduralTexture final : public ContactEffect {
 class DensityTexture final : public ContactEffect {
  public:
   // Largest A, as a share of the smallest side: the field rises by at most 2A a voxel along each of three axes.
-  static constexpr double kWidest = kSteepestTexture / (2 * 1.7320508);
+  static constexpr double kWidest = kSteepest / (2 * 1.7320508);
 
   // `gain`: multiplies the departure [-]; the product is cut off at +-`amplitude_m`.
   DensityTexture(double amplitude_m, double gain, double rate_hz) noexcept

@@ -19,13 +19,17 @@ constexpr std::string_view kMagic = "PALPREC2";
 constexpr std::size_t kBlockTicks = 256;  // what a cut file loses at most
 constexpr std::uint8_t kAnswered = 1, kMoved = 2, kAged = 4, kTaken = 8, kHeld = 16, kEdge = 32, kSwitchOn = 64,
                        kElapsed = 128;
-constexpr std::int32_t kUsualElapsed = 1, kMostElapsed = 0x7fffff;
-constexpr unsigned kOffShift = 24, kRefusedShift = 28;  // why there is no force, and why no calibration, lie in the
-constexpr std::uint32_t kLeapt = 0x800000;              // the highest bit of the periods
-constexpr std::uint32_t kMostOff = 0xf;                 // high byte of the periods
+constexpr std::int32_t kUsualElapsed = 1;
+// An unusual tick has a word of 32 bits, from the lowest bit on: 23 bits for the periods since the tick before, one bit
+// that says whether the tool leapt, four for why there is no force, four for why a calibration was refused.
+constexpr std::int32_t kMostElapsed = 0x7fffff;
+constexpr std::uint32_t kLeapt = 0x800000;
+constexpr unsigned kOffShift = 24;
+constexpr std::uint32_t kMostOff = 0xf;
+constexpr unsigned kRefusedShift = 28;
 constexpr std::uint8_t kFollows = 1, kIsHeld = 2, kSetsPace = 4, kMoves = 8;  // what is true of the device
 constexpr double kMostRate_hz = 20000;                                        // ServoLoop's
-constexpr int kMostDelay_ticks = 10000;
+constexpr int kMostDelay_ticks = 10000;                                       // SimulatedDevice's
 
 template <class T>
 void put(std::string& bytes, const T& value) {

@@ -2,10 +2,10 @@
 // servo/devices/simulated_device.hpp: a device that needs no hardware; a simulated hand moves it along a path.
 //
 // kRigid: the HIP is exactly on the path, whatever the force. kSpring: the hand pulls the device along the path and
-// feels the force (hand_dynamics.hpp). In both cases encoders round the positions that are read, some
-// reports may be dropped, the force is cut to the device's maximum, and it acts `delay_ticks` after the write. Only
-// elapse() advances time, so the same forces give the same motion, bit for bit. Frame W: world [m, N]. Threads as in
-// device.hpp; the path must outlive the device. Heap: in the constructor only.
+// feels the force (hand_dynamics.hpp). In both cases encoders round the positions that are read, some reports may be
+// dropped, the force is cut to the device's maximum, and it acts `delay_ticks` after the write. Only elapse() advances
+// time, so the same forces give the same motion, bit for bit. Frame W: world [m, N]. Threads as in device.hpp; the path
+// must outlive the device. Heap: in the constructor only.
 #pragma once
 
 #include <cstdint>

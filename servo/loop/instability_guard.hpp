@@ -10,9 +10,10 @@
 // after a few rounds the contact is quiet. New settings have the whole force again: at once where the tool is away,
 // else as what an edit adds (ServoLoop::takeChangesFrom()).
 //
-// How soon: a tick after the 20th swing (SwingWatch::kSwings) has ended. Swings are at least as fast as
-// SwingWatch::kHand_hz, so that is at most 20 / (2 * 12 Hz) * rate + 1 ticks, 834 at 1 kHz; 101 for a contact that
-// swings at 100 Hz. Slower bounces are noticed a tick after the 10th touch, or after the 20th at the latest.
+// How soon: a tick after the 20th swing (SwingWatch::kSwings) has ended. For swings as fast as SwingWatch::kHand_hz
+// that is at most 20 / (2 * 12 Hz) * rate + 1 ticks, 834 at 1 kHz; 101 for a contact that swings at 100 Hz. Slower
+// swings are noticed if they grow, after as many periods. Slower bounces are noticed a tick after the 10th touch, or
+// after the 20th at the latest.
 //
 // Frame W. Thread: the servo's. Cost: that of SwingWatch. Heap, errors: none.
 #pragma once
@@ -35,8 +36,8 @@ struct InstabilityParameters {
 
 class InstabilityGuard {
  public:
-  // It does not act on a device that no force moves. Throws Error(kBadInput) unless 0 <= away_s <= 60 and 0 < softer
-  // < 1.
+  // It does not act on a device that no force moves. Throws Error(kBadInput) unless 0 <= away_s <= 60 and
+  // 0 < softer < 1.
   InstabilityGuard(const InstabilityParameters& parameters, const DeviceLimits& device, double rate_hz);
 
   // The tick that has just been run.

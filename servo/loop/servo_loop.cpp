@@ -248,6 +248,11 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
     if (changes_ != nullptr && change_ == nullptr && link == nullptr) beginChange(window);
     tickAlgorithm({hip_W_, velocity_.value(), &window}, out);
     last_ = out;
+    if ((out.faults & (bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost))) != 0) {
+      way_known_ = false;
+    } else if ((out.faults & (bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNoWindow))) == 0) {
+      way_known_ = true;
+    }
   } else {
     faults |= bit(ServoFault::kDeviceError);
     out.vhip_W = hip_W_;
@@ -311,10 +316,15 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   return window;
 }
 
-// In front of the surface of a contact; else where the tool is.
-Vec3 ServoLoop::freePlace(const SampleWindow& window) const noexcept {
-  if (!last_.in_contact || !window.usable()) return hip_W_;
-  return last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing());
+// A new algorithm goes on where the last one was: from in front of the surface of a contact, else from where the tool
+// is. A tool that has no force until it has been outside keeps to that.
+void ServoLoop::takeOver(Algorithm& next, const SampleWindow& window) const noexcept {
+  if (!way_known_) return next.reset(hip_W_);
+  const bool in_contact = last_.in_contact && window.usable();
+  next.resume(in_contact
+                  ? Vec3(last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing()))
+                  : hip_W_,
+              hip_W_);
 }
 
 // The link to another engine that has no window yet, if one is offered. Goes over to one that has. Changes that come
@@ -349,7 +359,7 @@ void ServoLoop::NextEngine::ease(TickOutput& out) noexcept {
 
 // Nothing of the old windows is used any more. Their age means nothing for the new ones.
 void ServoLoop::goOver(ServoLink& link) noexcept {
-  const Vec3 free_W = freePlace(windows_->latest());
+  const SampleWindow last_window = windows_->latest();
   const bool faded = (newest_faults_.load(std::memory_order_relaxed) & kFadingFaults) != 0;
   next_engine_.begin(faded ? 0 : last_.force_W.stableNorm(), faded ? gate_.fadeTicks() : 0);
   windows_ = link.windows;
@@ -360,7 +370,7 @@ void ServoLoop::goOver(ServoLink& link) noexcept {
   gate_.setForceLimit(std::min(link.force_limit_N, most_force_N_));
   algorithm_ = link.algorithm.get();
   std::swap(given_algorithm_, link.algorithm);
-  algorithm_->resume(free_W, hip_W_);
+  takeOver(*algorithm_, last_window);
   links_->done();
 }
 
@@ -371,16 +381,14 @@ void ServoLoop::beginChange(const SampleWindow& window) noexcept {
   if (change_ == nullptr) return;
   change_tick_ = 0;
   limit_from_N_ = gate_.forceLimit();
-  change_ticks_ = 0;
+  gone_over_ = 0;
   if (!change_->algorithm) return;
-  change_ticks_ = ticks_to_grow_;
   leaving_share_ = guard_.share();
   guard_.takeNew(change_->doubtful);
-  const Vec3 free_W = freePlace(window);
   leaving_ = algorithm_;
   algorithm_ = change_->algorithm.get();
   std::swap(given_algorithm_, change_->algorithm);
-  algorithm_->resume(free_W, hip_W_);
+  takeOver(*algorithm_, window);
 }
 
 // The algorithm's force, times the share that the guard leaves of it.
@@ -400,10 +408,9 @@ void ServoLoop::goOn(const TickInput& in, TickOutput& out) noexcept {
     leaving_->tick(in, left);
     left.force_W *= leaving_share_;
     left.stored_J *= leaving_share_;
-    const double left_N = left.force_W.stableNorm();
-    if (change_tick_ == 1 && leaving_share_ == 1 && left_N > 0 && out.force_W.stableNorm() <= left_N)
-      change_ticks_ = ticks_to_fall_;
-    const double over = goneOver(change_ticks_);
+    const std::int64_t whole = ticks_to_grow_ * ticks_to_fall_;
+    gone_over_ = std::min(whole, gone_over_ + (onlyShrinks(left, out) ? ticks_to_grow_ : ticks_to_fall_));
+    const double over = static_cast<double>(gone_over_) / static_cast<double>(whole);
     out.force_W = (1 - over) * left.force_W + over * out.force_W;
     out.stored_J = (1 - over) * left.stored_J + over * out.stored_J;
   }
@@ -411,14 +418,21 @@ void ServoLoop::goOn(const TickInput& in, TickOutput& out) noexcept {
   if (change_->force_limit_N) {
     const double limit_N = std::min(*change_->force_limit_N, most_force_N_);
     limit_ticks = limit_N > limit_from_N_ ? ticks_to_grow_ : ticks_to_fall_;
-    gate_.setForceLimit(limit_from_N_ + goneOver(limit_ticks) * (limit_N - limit_from_N_));
+    const double over = std::min(1.0, static_cast<double>(change_tick_) / static_cast<double>(limit_ticks));
+    gate_.setForceLimit(limit_from_N_ + over * (limit_N - limit_from_N_));
   }
-  if (change_tick_ >= std::max(change_ticks_, limit_ticks)) endChange();
+  const bool is_over = leaving_ == nullptr || gone_over_ == ticks_to_grow_ * ticks_to_fall_;
+  if (is_over && change_tick_ >= limit_ticks) endChange();
 }
 
-// How much of a change that takes so many ticks has come.
-double ServoLoop::goneOver(std::int64_t ticks) const noexcept {
-  return std::min(1.0, static_cast<double>(change_tick_) / static_cast<double>(ticks));
+// Whether the new force is the leaving one or less of it, along the same line. One that the new algorithm cannot see
+// yet may still come.
+bool ServoLoop::onlyShrinks(const TickOutput& left, const TickOutput& out) const noexcept {
+  constexpr double kSameLine = 0.97;  // cosine of 14 degrees
+  const double left_N = left.force_W.stableNorm(), new_N = out.force_W.stableNorm();
+  if (leaving_share_ < 1 || !(left_N > 0) || new_N > left_N) return false;
+  if (new_N == 0) return (out.faults & kFadingFaults) == 0;
+  return out.force_W.dot(left.force_W) >= kSameLine * new_N * left_N;
 }
 
 void ServoLoop::endChange() noexcept {
@@ -459,6 +473,8 @@ bool ServoLoop::believes(const Vec3& read_W) noexcept {
 void ServoLoop::beginAt(const Vec3& read_W) noexcept {
   algorithm_->reset(read_W);
   if (leaving_ != nullptr) leaving_->reset(read_W);
+  last_ = {};
+  way_known_ = false;
   velocity_.reset(read_W);
   passivity_.reset(read_W);
   motion_.begin();

@@ -145,10 +145,10 @@ class ServoLoop {
   void beginChange(const SampleWindow& window) noexcept;
   [[nodiscard]] ServoLink* lookForLink() noexcept;
   void goOver(ServoLink& link) noexcept;
-  [[nodiscard]] Vec3 freePlace(const SampleWindow& window) const noexcept;
+  void takeOver(Algorithm& next, const SampleWindow& window) const noexcept;
   void tickAlgorithm(const TickInput& in, TickOutput& out) noexcept;
   void goOn(const TickInput& in, TickOutput& out) noexcept;
-  [[nodiscard]] double goneOver(std::int64_t ticks) const noexcept;
+  [[nodiscard]] bool onlyShrinks(const TickOutput& left, const TickOutput& out) const noexcept;
   void endChange() noexcept;
   const SampleWindow& runTick(const Due& due, std::int64_t now_ns, TickRecord& record) noexcept;
   [[nodiscard]] bool believes(const Vec3& read_W) noexcept;
@@ -183,6 +183,7 @@ class ServoLoop {
   std::uint32_t carried_faults_ = 0;  // of the last tick, after its gate
   std::uint32_t overrun_ = 0;         // of the last tick: its bit
   TickOutput last_;                   // the algorithm's last output
+  bool way_known_ = false;            // the tool has been seen outside or in contact since its way was last unknown
   ServoChanges* changes_ = nullptr;
   LiveTicks* live_ = nullptr;
   ServoLinks* links_ = nullptr;
@@ -191,9 +192,11 @@ class ServoLoop {
   std::unique_ptr<Algorithm> given_algorithm_;  // owns algorithm_, if that came with a change
   double most_force_N_;                         // the device's own limit [N]
   double limit_from_N_ = 0;
-  double leaving_share_ = 1;          // of its force, as the guard left it
-  std::int64_t change_tick_ = 0;      // ticks of the change that have run
-  std::int64_t change_ticks_ = 0;     // that the force takes to go over
+  double leaving_share_ = 1;      // of its force, as the guard left it
+  std::int64_t change_tick_ = 0;  // ticks of the change that have run
+  // How far the force has gone over, of ticks_to_grow_ * ticks_to_fall_. A tick adds one share of 1 / ticks_to_grow_,
+  // or where the force only shrinks of 1 / ticks_to_fall_.
+  std::int64_t gone_over_ = 0;
   const std::int64_t ticks_to_grow_;  // EditEase::kTime_s in ticks
   const std::int64_t ticks_to_fall_;  // kChangeOver_s in ticks
   NextEngine next_engine_;

@@ -124,6 +124,16 @@ bool SwingWatch::keepsUp() const noexcept {
   return true;
 }
 
+// No hand makes each swing at least as high as the one before it in the same direction, and all periods alike.
+bool SwingWatch::growsEvenly() const noexcept {
+  const double period_s = 2 * (turn(kSwings).time_s - turn(0).time_s) / kSwings;
+  for (std::size_t i = 2; i <= kSwings; ++i) {
+    if (std::abs(turn(i).time_s - turn(i - 2).time_s - period_s) > kUneven * period_s) return false;
+    if (i < kSwings && swing(i) < swing(i - 2)) return false;
+  }
+  return usualSwings(kSwings / 2) >= kGrown * usualSwings(0);
+}
+
 // The sum of half of the swings, without the largest: a tool that leaves the surface makes one large swing.
 double SwingWatch::usualSwings(std::size_t from) const noexcept {
   double sum_m = 0, largest_m = 0;
@@ -144,8 +154,8 @@ bool SwingWatch::judge() noexcept {
   const bool sustained = usualSwings(kSwings / 2) >= kSustained * usualSwings(0);
   const double swings_m = first_m + last_m, path_m = end.path_m - begin.path_m;
   const double surface_m = end.asked_m - begin.asked_m - path_m;
-  const bool unasked =
-      swings_m > kUnasked * path_m + kAnswered * surface_m && (path_ != nullptr || (hz > kHand_hz && keepsUp()));
+  const bool unasked = swings_m > kUnasked * path_m + kAnswered * surface_m &&
+                       (path_ != nullptr || (hz > kHand_hz && keepsUp()) || growsEvenly());
   const bool bounced = end.bounces - begin.bounces >= kPeriods && swings_m > kUnasked * path_m;
   const bool fed = end.energy_J < begin.energy_J - Passivity::kRounding_J;
   const bool felt = last_m / kPeriods >= leastFelt(hz);

@@ -15,11 +15,13 @@
 //   slide, with up to pi / -ln(0.9) = 29.8 times its motion (settlesSoon() in servo/stability/sampled_loop.hpp); the
 //   rest is for encoders. So a path that taps, a texture and a noisy surface do not count, unless the contact answers
 //   with a resonance of more than that. What an effect adds in proportion to the depth is stiffness and asks for
-//   nothing. If the path is unknown, swings count only if they are faster than kHand_hz, since a hand can make slower
-//   ones, if none takes longer than a period of kHand_hz, and if none is less than kKept of the one before it in the
-//   same direction: a tool bounces several times when a hand taps on a hard surface, a little less high each time.
-//   Whatever the surface asks for, this is enough instead: the path alone does not ask for the swings, and in each
-//   period the tool left the surface while the hand wanted it inside.
+//   nothing. If the path is unknown, swings count only if no hand makes such ones. Either they are faster than
+//   kHand_hz, none takes longer than a period of kHand_hz, and none is less than kKept of the one before it in the same
+//   direction: a tool bounces several times when a hand taps on a hard surface, a little less high each time. Or they
+//   grow evenly, at any frequency: none is less than the one before it in the same direction, the second half is at
+//   least kGrown of the first, and no period differs from the mean by more than kUneven. Whatever the surface asks for,
+//   this is enough instead: the path alone does not ask for the swings, and in each period the tool left the surface
+//   while the hand wanted it inside.
 // - The surface fed them: the energy that it has taken (servo/safety/passivity.hpp) fell from the first to the last. So
 //   stick-slip does not count, since friction takes energy.
 // Three events start the count anew: the surface ends under the tool (contact is lost with the HIP still below the
@@ -49,12 +51,14 @@ class SwingWatch {
   static constexpr double kAnswered = 40;
   static constexpr double kHand_hz = 12;
   static constexpr double kKept = 0.7;
+  static constexpr double kGrown = 1.25;
+  static constexpr double kUneven = 0.25;
   static constexpr double kLongestFlight_s = 0.5;
 
-  // The smallest swing, from one turn to the next, that a finger feels [m]: twice the amplitude at the threshold. That
-  // is 20 um at 10 Hz, 10 um at 40 Hz and 0.26 um at 250 Hz, where fingers feel best; a line between them in
-  // logarithms. Verrillo (1963) and Bolanowski et al. (1988) measured such thresholds on the hand's skin; they differ
-  // by people and by the area that is touched, several times.
+  // The smallest swing, from one turn to the next, that a finger feels [m]: twice the amplitude at the threshold. It is
+  // 40 um at 10 Hz, 20 um at 40 Hz and 0.51 um from 250 Hz on, where fingers feel best; in logarithms straight lines
+  // lie between these. Verrillo (1963) and Bolanowski et al. (1988) measured such thresholds on the hand's skin; they
+  // differ by people and by the area that is touched, several times.
   [[nodiscard]] static double leastFelt(double hz) noexcept;
 
   // `resolution_m`: of the device's encoders [m]. `path`: where the hand wanted the tool, outlives the watch; null:
@@ -90,6 +94,7 @@ class SwingWatch {
   [[nodiscard]] const Turn& turn(std::size_t i) const noexcept { return turns_[(oldest_ + i) % turns_.size()]; }
   [[nodiscard]] double swing(std::size_t i) const noexcept;
   [[nodiscard]] bool keepsUp() const noexcept;
+  [[nodiscard]] bool growsEvenly() const noexcept;
   [[nodiscard]] double usualSwings(std::size_t from) const noexcept;
   [[nodiscard]] bool judge() noexcept;
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 
@@ -16,22 +17,34 @@ namespace {
 
 constexpr int kFirstForce = 4;  // index of F_{k-d} in the state; before it x, x', u, last x
 
-// The largest value from `low` up to which `holds` is true, on a logarithmic grid and then bisected. 0 if it is false
-// at `low`, `high` if it is true on the whole grid.
-double lastOfRun(double low, double high, double precision, const std::function<bool(double)>& holds) {
-  static const double kStep = std::pow(10.0, 1.0 / 16);
-  if (!holds(low)) return 0;
-  double good = low, bad = low * kStep;
-  while (bad < high && holds(bad)) {
-    good = bad;
-    bad *= kStep;
+using Holds = std::function<bool(double)>;
+
+// Below the border that is looked for `holds` is true, above it false. Goes from `from` towards `end` on a logarithmic
+// grid, upwards from where it is true or downwards from where it is false, until it changes, and bisects there. Returns
+// the largest value found for which it is true; none if it does not change before `end`.
+std::optional<double> borderFrom(double from, double end, double precision, const Holds& holds) {
+  const bool upwards = end > from;
+  const double step = std::pow(10.0, (upwards ? 1 : -1) / 16.0);
+  double last = from;
+  for (double next = from * step; upwards ? next < end : next > end; next *= step) {
+    if (holds(next) == upwards) {
+      last = next;
+      continue;
+    }
+    double good = upwards ? last : next, bad = upwards ? next : last;
+    while (bad > good * (1 + precision)) {
+      const double middle = std::sqrt(good * bad);
+      (holds(middle) ? good : bad) = middle;
+    }
+    return good;
   }
-  if (bad >= high) return high;
-  while (bad > good * (1 + precision)) {
-    const double middle = std::sqrt(good * bad);
-    (holds(middle) ? good : bad) = middle;
-  }
-  return good;
+  return std::nullopt;
+}
+
+// The largest value from `low` up to which `holds` is true. 0 if it is false at `low`, `high` if it is true on the
+// whole grid.
+double lastOfRun(double low, double high, double precision, const Holds& holds) {
+  return holds(low) ? borderFrom(low, high, precision, holds).value_or(high) : 0;
 }
 
 // a of the velocity's filter.
@@ -158,6 +171,8 @@ bool losesEnough(const std::complex<double>& z, const SampledLoop& loop, const L
   if (size < kGone) return true;
   const double lost = -std::log(size);  // in a tick
   if (turn < kNoSwing) return lost > 0;
+  // A force that is later than a period cannot damp within that period: a round of the delay counts instead. So it does
+  // for the loss in a second where a round takes longer than kLongestRing_s, as it may below 9 Hz.
   const double round = loop.delay_ticks + 1;
   return lost * std::max(2 * M_PI / turn, round) >= least.a_period &&
          lost * std::max(loop.rate_hz, round / kLongestRing_s) >= least.a_second;
@@ -194,21 +209,10 @@ bool settlesSoon(const SampledLoop& loop, const Wall& wall) {
 }
 
 double settlingStiffness(const SampledLoop& loop, double damping_Ns_per_m, double precision) {
-  static const double kStep = std::pow(10.0, 1.0 / 16);
   const auto settles = [&](double stiffness) { return settlesSoon(loop, {stiffness, damping_Ns_per_m}); };
-  double bad = stiffnessBound(loop, damping_Ns_per_m, precision);
-  if (bad == 0 || settles(bad)) return bad;
-  double good = bad / kStep;
-  while (!settles(good)) {
-    if (good < kSoftest_N_per_m) return 0;
-    bad = good;
-    good /= kStep;
-  }
-  while (bad > good * (1 + precision)) {
-    const double middle = std::sqrt(good * bad);
-    (settles(middle) ? good : bad) = middle;
-  }
-  return good;
+  const double stable = stiffnessBound(loop, damping_Ns_per_m, precision);
+  if (stable == 0 || settles(stable)) return stable;
+  return borderFrom(stable, kSoftest_N_per_m, precision, settles).value_or(0);
 }
 
 double dampingBound(const SampledLoop& loop, double stiffness_N_per_m, double precision) {

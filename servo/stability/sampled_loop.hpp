@@ -57,13 +57,12 @@ inline constexpr double kBoundPrecision = 1e-3;
                                     double precision = kBoundPrecision);
 
 // Whether the contact comes to rest soon: this, not stability alone, is what a wall must have to be given to a hand. A
-// swing near the border of stability goes on for seconds, and what the model leaves out may feed it. Every mode that
-// swings loses
-// - kLossAPeriod of itself in each period, or in each round of a delay that is longer. A surface that moves by a is
-// then
-//   answered by swings of at most Q a, with Q = pi / -ln(1 - kLossAPeriod) = 29.8. SwingWatch takes swings of more than
-//   kAnswered = 40 times what asked for them, and swings that lose less than 5.6 % a period, for unstable;
-// - nine tenths of itself within kLongestRing_s, however slow it is.
+// swing near the border of stability goes on for seconds, and what the model leaves out may feed it. So every mode that
+// swings must lose
+// - kLossAPeriod of itself in each period, or in each round of a delay that is longer. The swings that answer a surface
+//   that moves by a are then at most Q a, with Q = pi / -ln(1 - kLossAPeriod) = 29.8. SwingWatch takes swings of more
+//   than kAnswered = 40 times what asked for them, and swings that lose less than 5.6 % a period, for unstable;
+// - nine tenths of itself within kLongestRing_s, or in a round of a delay that takes longer, however slow it is.
 // No more is asked than half of the loss of hand and device without a wall, in a period and in a second: a wall cannot
 // damp what they do not. With a delay of more than kMostExactDelay ticks a wall settles if one that is three times as
 // stiff and damped is stable: its modes are as many as the delay has ticks.

@@ -25,8 +25,8 @@ struct ToolPose {
   Vec3 force_W = Vec3::Zero();       // what the device was sent last, after the safety gate [N]
   std::uint64_t window_version = 0;  // of the window that this tick read; 0: none
   std::uint32_t faults = 0;          // bits of servo/safety/faults.hpp; an overrun is the tick's before
-  std::uint32_t leaps =
-      0;  // how often the tool has been put elsewhere: between two poses with other numbers lies no way
+  // How often the tool has been put elsewhere. Between two poses that differ in it the tool leapt: there is no way.
+  std::uint32_t leaps = 0;
 };
 
 // A pose as it lies in the mailbox.

@@ -283,8 +283,9 @@ TEST_F(HidDoctor, ChecksMotors) {
   EXPECT_EQ(outcome.status, 0) << outcome.out << outcome.err;
   const std::size_t found = outcome.out.find("The motors of polhem-v1 pull the right way, which is kept in ");
   ASSERT_NE(found, std::string::npos) << outcome.out;
-  EXPECT_THAT(outcome.out.substr(0, found), HasSubstr("nobody has checked that they pull the right way, so forces stay "
-                                                      "below 1 N; palpate calibrate --device polhem-v1 --check"));
+  EXPECT_THAT(outcome.out.substr(0, found),
+              HasSubstr("nobody has checked that its motors pull the right way, so forces stay below 1 N, whatever arm "
+                        "it is; run 'palpate calibrate --device polhem-v1 --check'\n"));
   EXPECT_THAT(outcome.out.substr(0, found), HasSubstr("Now move the handle towards you by some 6 cm"));
   EXPECT_THAT(outcome.out.substr(0, found),
               HasSubstr("by its reports it could be woodenhaptics (links of 205 and 245 mm"));

@@ -190,9 +190,8 @@ TEST_F(HidTouch, StaysBelowANewtonUntilTheMotorsAreChecked) {
                                                             "--seconds", "1.5", "--stiffness", "500", "--out", "out"} +
                                                           kArmInTheMiddle);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const bool is_told = outcome.err.find(
-                             "nobody has checked that its motors pull the right way, so forces stay below "
-                             "1 N") != std::string::npos;
+    const std::string told = "nobody has checked that its motors pull the right way, so forces stay below 1 N";
+    const bool is_told = outcome.err.find(told) != std::string::npos;
     EXPECT_EQ(is_told, !checked) << outcome.err;
     const std::string log = contentsOf(file("log.txt")), key = " force_max_N ";
     return std::stod(log.substr(log.find(key) + key.size()));

@@ -15,7 +15,7 @@ namespace udev_rules_test {
 
 using testing::HasSubstr;
 
-// Each pair of numbers once, though four arms share two of them.
+// Each pair of numbers once, though five arms share two of them.
 TEST(UdevRules, HaveARuleForEachPairOfNumbers) {
   const std::string rules = udevRules(knownDeviceKinds());
   EXPECT_THAT(rules, HasSubstr("KERNEL==\"hidraw*\", ATTRS{idVendor}==\"1234\", ATTRS{idProduct}==\"0006\", "

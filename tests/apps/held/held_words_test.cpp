@@ -18,12 +18,15 @@ using testing::HasSubstr;
 class Arm final : public Device {
  public:
   [[nodiscard]] std::string_view name() const noexcept override { return "arm"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return {.stiffness_limit_N_per_m = most}; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override {
+    return {.motors_unchecked = unchecked, .stiffness_limit_N_per_m = most};
+  }
   [[nodiscard]] ForceOff forceOff() const noexcept override { return off; }
   [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
   [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
   ForceOff off = ForceOff::kNone;
   double most = 800;
+  bool unchecked = false;
 };
 
 TEST(HeldWords, ScaleAndTheWallAtTheHandle) {
@@ -70,6 +73,17 @@ TEST(HeldWords, WhyThereIsNoForce) {
     EXPECT_THAT(words[1], HasSubstr("forces are off because " + std::string(wordsOf(why).reason)));
     EXPECT_THAT(words[1], HasSubstr(std::string(wordsOf(why).remedy)));
   }
+}
+
+// The run says it as the doctor does.
+TEST(HeldWords, ThatNobodyHasCheckedItsMotors) {
+  Arm arm;
+  arm.unchecked = true;
+  const UncheckedWords unchecked = uncheckedWords("arm-1");
+  EXPECT_THAT(unchecked.reason, HasSubstr("forces stay below 1 N"));
+  EXPECT_THAT(unchecked.remedy, HasSubstr("palpate calibrate --device arm-1 --check"));
+  EXPECT_THAT(heldDeviceWords("arm-1", arm, {}, 400),
+              ElementsAre(testing::_, unchecked.reason + "; " + unchecked.remedy));
 }
 
 }  // namespace held_words_test

@@ -103,5 +103,27 @@ TEST(LiveMask, IsSaidToBeFeltAsStairs) {
   EXPECT_THAT(saidOf("phantom:sphere?size=24", ""), testing::IsEmpty());
 }
 
+// For another isovalue the same words as a start at it would say, though the volume is the saver's meanwhile.
+TEST(LiveMask, IsSaidAtAnyIsovalueThatPartsIt) {
+  const TemporaryFolder folder;
+  const std::string labels = (folder.path() / "labels.nrrd").string();
+  const Volume ball = loadVolume("phantom:sphere?size=24");
+  std::vector<float> values = ball.toDense();
+  for (std::size_t n = 0; n < values.size(); ++n) values[n] = values[n] <= 0 ? 0 : n % 24 < 12 ? 3 : 1;  // two halves
+  saveVolume(Volume::fromDense(ball.size(), ball.lattice(), values, {}), labels);
+  Progress silent(nullptr);
+  const auto at = [&](double isovalue) {
+    return LiveVolume({.volume = labels, .isovalue = isovalue, .plan = makePlan({.edits = true}), .work = "a test"},
+                      silent, [](const std::string&) {});
+  };
+  const LiveVolume live = at(0.5);
+  const Plan plain = makePlan({.edits = true});
+  EXPECT_THAT(live.stairsAt(0.5, plain), HasSubstr("isovalue 0.5 feels those from 1 to 3 as one object"));
+  EXPECT_THAT(live.stairsAt(2, plain), HasSubstr("isovalue 2 feels label 3 alone"));
+  EXPECT_EQ(live.stairsAt(2, plain), at(2).stairsAt(2, plain));
+  EXPECT_EQ(live.stairsAt(2, makePlan({.filter = "gaussian:1.5"})), "");
+  for (const double beyond : {-1.0, 3.0, 1e9}) EXPECT_EQ(live.stairsAt(beyond, plain), "") << beyond;
+}
+
 }  // namespace live_volume_test
 }  // namespace palpate

@@ -68,6 +68,16 @@ TEST(StairWords, SayThatLabelsAreNames) {
   EXPECT_THAT(said(Volume::fromDense(Vec3i::Constant(24), {}, eighths, {}), 0.5), HasSubstr("9 values (0 to 8)"));
 }
 
+// One look has the words for every isovalue.
+TEST(StairWords, OfOneLookAreThoseOfALookAtEachIsovalue) {
+  const Volume labels = balls({10, 7, 4}), sphere = loadVolume("phantom:sphere?size=24");
+  const Stairs stairs = stairsOf(labels, 0.5);
+  for (const double isovalue : {-1.0, 0.0, 0.5, 1.5, 2.0, 2.9, 3.0, 1e9, std::nan("")})
+    EXPECT_EQ(stairWords(stairs, isovalue, makePlan({}), FilterGiven::kAsOption), said(labels, isovalue)) << isovalue;
+  EXPECT_EQ(stairWords(stairs, 1.5, makePlan({.filter = kStairFilter}), FilterGiven::kAsOption), "");
+  EXPECT_EQ(stairWords(stairsOf(sphere, 0), 0, makePlan({}), FilterGiven::kAsOption), "");
+}
+
 // What is named must be what the program takes, and after it nothing is said.
 TEST(StairWords, TheirAdviceIsTakenAndHelps) {
   const Plan filtered = makePlan({.filter = kStairFilter});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every algorithm of the registry through the program, with nothing but its name.
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "program_test.hpp"
@@ -38,6 +39,24 @@ TEST_F(Algorithms, HaptizationFeelsAwayFromTheIsosurface) {
   EXPECT_NEAR(trace.rows.back().force_N().z(), -2, 0.01);
   const auto summary = nlohmann::json::parse(contentsOf(file("out/summary.json")));
   EXPECT_EQ(summary["scene"]["haptization"]["density"], nlohmann::json({{-1000, 0, 0}, {-900, 2, 0}}));
+}
+
+// docs/algorithms.md has the bound of every algorithm that keeps planes, as the registry gives it.
+TEST_F(Algorithms, PlanesMayBeOffByWhatThePageSays) {
+  PlaneAge age{.speed_m_per_s = 0.1, .curvature_per_m = 1 / (20e-3 - 1e-3), .depth_m = 1e-3, .voxel_m = 1e-3};
+  std::string table = "| algorithm | n = 1 | n = 5 | n = 20 | n = 50 |\n|---|---:|---:|---:|---:|\n";
+  for (const AlgorithmEntry& entry : algorithms()) {
+    if (!entry.traits.renews_planes) continue;
+    table += fmt::format("| `{}` |", entry.name);
+    for (const int n : {1, 5, 20, 50}) {
+      age.n = n;
+      table += fmt::format(" {:.3g} |", 1e6 * entry.plane_age_error(age));
+    }
+    table += "\n";
+  }
+  EXPECT_NE(contentsOf(PALPATE_DOCS "/algorithms.md").find(table + "\n"), std::string::npos)
+      << "docs/algorithms.md must hold:\n"
+      << table;
 }
 
 }  // namespace algorithms_test

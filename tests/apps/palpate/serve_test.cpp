@@ -12,6 +12,7 @@
 #include <sys/un.h>
 
 #include "engine/journal/volume_identity.hpp"
+#include "nrrd_bytes.hpp"
 #include "served_sphere.hpp"
 #include "service/channel/channel.hpp"
 #include "service/messages/message.hpp"
@@ -298,6 +299,24 @@ TEST_F(Serve, AnotherIsovalueComesAbout) {
   EXPECT_THAT(ctl({"get", "isovalue"}).out, HasSubstr("isovalue = 0"));
   expectSuccess(ctl({"set", "isovalue", "900"}));  // a smaller ball, away from the tool
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] < 0.3; }));
+}
+
+// Of a map of labels each answer about an isovalue or filters says what they feel, in the words of a start with them.
+TEST_F(Serve, SaysAnewThatAVolumeIsFeltAsStairs) {
+  NrrdBytes labels = ballNrrd();
+  for (std::size_t n = 0; n < labels.values.size(); ++n)
+    labels.values[n] = labels.values[n] <= 0 ? 0.0F : n % 16 < 8 ? 3.0F : 1.0F;  // two halves of a ball
+  write("labels.nrrd", labels.bytes());
+  serve({"labels.nrrd", "--iso", "0.5"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_THAT(contentsOf(file("serve.log")), HasSubstr("isovalue 0.5 feels those from 1 to 3 as one object"));
+  EXPECT_THAT(ctl({"set", "isovalue", "2"}).out,
+              testing::MatchesRegex("isovalue = 2\nit holds 3 values \\(0, 1, 3\\), so its surface is felt as stairs; "
+                                    "if these are labels, isovalue 2 feels label 3 alone: .*\n"));
+  EXPECT_EQ(ctl({"set", "servo.n", "3"}).out, "servo.n = 3\n");
+  EXPECT_EQ(ctl({"filter", "gaussian:1.5"}).out, "felt through gaussian:1.5\n");
+  EXPECT_EQ(ctl({"set", "isovalue", "1.5"}).out, "isovalue = 1.5\n");
+  EXPECT_THAT(ctl({"filter"}).out, HasSubstr("without filters; it holds 3 values (0, 1, 3), so its surface"));
 }
 
 // A mesh is named from where the client is, and the edits after it wait for it.

@@ -15,6 +15,7 @@
 
 #include "engine/phantoms/phantom.hpp"
 #include "engine/session/tool_brush.hpp"
+#include "tests/apps/sculpt/still_side.hpp"
 #include "tests/servo/support/seeded.hpp"
 
 namespace palpate {
@@ -23,45 +24,26 @@ namespace pointer_lead_test {
 using Surface = std::function<double(const Vec3&)>;  // signed distance, negative inside [m]
 
 // What a window sees of a body, and where the tool is.
-class Scene final : public SculptSide {
+class Scene final : public StillSide {
  public:
   Scene(Surface surface, SeenExtent object)
       : surface_(std::move(surface)), path_(Vec3(object.middle_W - Vec3(0, 0.5, 0))) {
-    facts_.object = std::move(object);
+    volume_.object = std::move(object);
     path_.follow(aims_);
     tick_.tick = 0;
     step(0);
   }
 
-  [[nodiscard]] const SeenVolume& volume() const noexcept override { return facts_; }
-  [[nodiscard]] const std::string& device() const noexcept override { return none_; }
-  [[nodiscard]] bool deviceIsHeld() const noexcept override { return false; }
-  [[nodiscard]] ForceOff forceOff() const noexcept override { return ForceOff::kNone; }
-  [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept override { return plan_; }
-  [[nodiscard]] bool keepsJournal() const noexcept override { return true; }
-  void start() override {}
   void show(const ViewRequest& wanted) override {
     if (!wanted_.empty() && wanted_.back() == wanted.camera) return;
     wanted_.push_back(wanted.camera);
   }
-  [[nodiscard]] const ViewFrame& frame() override { return frame_; }
   void aim(const PointerTarget& target) noexcept override {
     leaps += target.from_W ? 1 : 0;
     aim_.aim(target);
   }
-  [[nodiscard]] const TickRecord& tick() override { return tick_; }
-  void takeTicks(std::vector<TickRecord>&) override {}
   void press(const ToolBrushSpec& brush) override { brush_.emplace(brush, Vec3i::Constant(1000), Lattice{}); }
   void release() override { brush_.reset(); }
-  [[nodiscard]] const std::string& heldBrush() const noexcept override { return none_; }
-  void undo() override {}
-  void redo() override {}
-  void goTo(std::size_t) override {}
-  void change(const RigSettings&) override {}
-  [[nodiscard]] RigSettings settings() const override { return {}; }
-  void save(const std::string&) override {}
-  [[nodiscard]] SculptState look() override { return {}; }
-  void close() override {}
 
   // The picture that was asked for so many frames ago.
   void draw(std::size_t late) {
@@ -115,15 +97,10 @@ class Scene final : public SculptSide {
   }
 
   Surface surface_;
-  SeenVolume facts_;
-  std::string none_;
-  std::vector<PlanLine> plan_;
   std::deque<Camera> wanted_;
-  ViewFrame frame_;
   PointerAimBlock aims_;
   PointerAim aim_{aims_};
   PointerPath path_;
-  TickRecord tick_;
   std::optional<ToolBrush> brush_;
 };
 

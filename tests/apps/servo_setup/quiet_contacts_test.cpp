@@ -158,8 +158,7 @@ TEST(QuietContacts, WithoutAWarningNoneIsUnstableOrLosesItsForce) {
     const Outcome out = outcomeOf(t);
     EXPECT_TRUE(out.verdict != ContactVerdict::kUnstable && !out.lost_force) << fmt::format(
         "{}: K {:.0f} of {:.0f} N/m, B {:.2f}, d {}, {:.0f} Hz, m {:.3f}, b {:.2f}, k {:.0f}, f {:.3f} N, D {:.1f} um, "
-        "n "
-        "{}, {}, sweep {:.3f}, {}: {:.1f} um at {:.0f} Hz, force {}",
+        "n {}, {}, sweep {:.3f}, {}: {:.1f} um at {:.0f} Hz, force {}",
         i, t.settings.parameters.stiffness_N_per_m, stiffnessBound(t.sampled(), t.settings.parameters.damping_Ns_per_m),
         t.settings.parameters.damping_Ns_per_m, t.device.delay_ticks, t.loop.rate_hz,
         t.device.dynamics.hand_mass_kg + t.device.dynamics.device_mass_kg,

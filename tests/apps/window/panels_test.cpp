@@ -5,53 +5,33 @@
 #include <gtest/gtest.h>
 #include <imgui.h>
 
+#include "tests/apps/sculpt/still_side.hpp"
 #include "tests/support/any_settings.hpp"
 
 namespace palpate {
 namespace panels_test {
 
-class Shown final : public SculptSide {
+// Counts what would change anything.
+class Shown final : public StillSide {
  public:
   Shown() {
-    facts_.statistics.histogram.counts = {1, 2, 3};
-    facts_.statistics.histogram.bin_width = 1;
-    facts_.object.points_W = {Vec3::Zero(), Vec3::Ones()};
-    facts_.size = Vec3i::Constant(64);
-    facts_.name = "v";
+    volume_.statistics.histogram.counts = {1, 2, 3};
+    volume_.statistics.histogram.bin_width = 1;
+    volume_.object.points_W = {Vec3::Zero(), Vec3::Ones()};
+    volume_.size = Vec3i::Constant(64);
+    volume_.name = "v";
   }
-  [[nodiscard]] const SeenVolume& volume() const noexcept override { return facts_; }
-  [[nodiscard]] const std::string& device() const noexcept override { return none_; }
-  [[nodiscard]] bool deviceIsHeld() const noexcept override { return false; }
-  [[nodiscard]] ForceOff forceOff() const noexcept override { return ForceOff::kNone; }
-  [[nodiscard]] const std::vector<PlanLine>& plan() const noexcept override { return plan_; }
-  [[nodiscard]] bool keepsJournal() const noexcept override { return true; }
-  void start() override {}
-  void show(const ViewRequest&) override {}
-  [[nodiscard]] const ViewFrame& frame() override { return frame_; }
-  void aim(const PointerTarget&) noexcept override {}
-  [[nodiscard]] const TickRecord& tick() override { return tick_; }
-  void takeTicks(std::vector<TickRecord>&) override {}
   void press(const ToolBrushSpec&) override { ++changes; }
   void release() override { ++changes; }
-  [[nodiscard]] const std::string& heldBrush() const noexcept override { return none_; }
   void undo() override { ++changes; }
   void redo() override { ++changes; }
   void goTo(std::size_t) override { ++changes; }
   void change(const RigSettings&) override { ++changes; }
   [[nodiscard]] RigSettings settings() const override { return now; }
   void save(const std::string&) override { ++changes; }
-  [[nodiscard]] SculptState look() override { return {}; }
-  void close() override {}
 
   RigSettings now;
   int changes = 0;
-
- private:
-  SeenVolume facts_;
-  std::string none_;
-  std::vector<PlanLine> plan_;
-  ViewFrame frame_;
-  TickRecord tick_{.tick = -1};
 };
 
 class Panels : public testing::Test {

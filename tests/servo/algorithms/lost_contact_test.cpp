@@ -135,5 +135,19 @@ TEST_P(LostContact, IsForgottenByAReset) {
 
 INSTANTIATE_TEST_SUITE_P(Ticks, LostContact, testing::Values(1, 5, 1000));
 
+// Taken over from another algorithm 30 mm above a HIP that lies so deep that its window shows object only. There is no
+// entry to be seen, so there is no force, and every tick says why, until the HIP has been outside.
+TEST_P(LostContact, AnEntryThatNoWindowShowsIsToldToo) {
+  hri.resume(above(10e-3), above(-20e-3));
+  driver.publish(above(-20e-3));
+  for (int tick = 0; tick < 20; ++tick) {
+    const TickOutput out = driver.at(above(-20e-3));
+    EXPECT_TRUE(has(out.faults, ServoFault::kInsideObject)) << tick << " " << faultNames(out.faults);
+    EXPECT_TRUE(out.force_W.isZero(0));
+  }
+  driver.stroke(above(1e-3), 100);
+  EXPECT_TRUE(driver.stroke(above(-kDepth), 50).back().in_contact);
+}
+
 }  // namespace lost_contact_test
 }  // namespace palpate

@@ -22,8 +22,12 @@ struct Slices {
   double pixel_m, slice_m;
 };
 
-// Ticks of a slide without contact although the HIP is in the object, or with a fault that takes the force away.
-int lostTicks(const Slices& slices, unsigned seed) {
+struct Lost {
+  int ticks = 0;         // without contact although the HIP is in the object, or with a fault that takes the force away
+  int unseen_ticks = 0;  // with the HIP beyond the window, and air between it and the VHIP as far as the window shows
+};
+
+Lost lostTicks(const Slices& slices, unsigned seed) {
   Seeded random(31 * seed);
   const Vec3 centre_W = random.inCube(3e-3);
   const Mat3 R_WL = seed % 3 == 0 ? random.axes(false) : Mat3::Identity();
@@ -43,23 +47,44 @@ int lostTicks(const Slices& slices, unsigned seed) {
   AlgorithmDriver driver(hri, volume, at(0, -7e-3));
   driver.around_vhip = true;
   for (double deep_m = -7e-3; deep_m < depth_m; deep_m += 0.1e-3) driver.at(at(0, deep_m));
-  int lost = 0;
+  Lost lost;
   for (double angle = 0; angle < 2; angle += step_m / (kRadius - depth_m)) {
     const Vec3 hip_W = at(angle, depth_m);
     const TickOutput out = driver.at(hip_W);
     const bool is_inside = fetch(driver.window(), hip_W).density > 0;
-    if ((is_inside && !out.in_contact) || (out.faults & kFadingFaults) != 0) ++lost;
+    const std::uint32_t fading = out.faults & kFadingFaults;
+    if (fading == bit(ServoFault::kBeyondWindow)) {
+      ++lost.unseen_ticks;
+    } else if ((is_inside && !out.in_contact) || fading != 0) {
+      ++lost.ticks;
+    }
   }
   return lost;
 }
 
-// On the code before, 5 of 80 such slides lost the surface, for up to 123 ticks of some 380.
+void expectHeld(const Slices& slices, unsigned seed) {
+  const Lost lost = lostTicks(slices, seed);
+  EXPECT_EQ(lost.ticks, 0) << slices.pixel_m << " x " << slices.slice_m << ", seed " << seed;
+  // The next window is around the HIP.
+  EXPECT_LE(lost.unseen_ticks, 1) << slices.pixel_m << " x " << slices.slice_m << ", seed " << seed;
+}
+
+// Where steps were judged by the shortest side, 5 of 80 such slides lost the surface, for up to 123 ticks of some 380.
 TEST(ThickSlices, HoldATool) {
   for (const Slices& slices :
        {Slices{0.3e-3, 1e-3}, Slices{0.4e-3, 3e-3}, Slices{0.4e-3, 5e-3}, Slices{0.4e-3, 6e-3}}) {
-    for (unsigned seed = 1; seed <= (isLongRun() ? 1000U : 40U); ++seed)
-      EXPECT_EQ(lostTicks(slices, seed), 0) << slices.pixel_m << " x " << slices.slice_m << ", seed " << seed;
+    for (unsigned seed = 1; seed <= (isLongRun() ? 1000U : 30U); ++seed) expectHeld(slices, seed);
   }
+}
+
+// The VHIP is 8 to 22 mm from the HIP and goes over the rim of a disc. The window shows the one and not the other, so
+// the next sheet is found from the VHIP. These four slides of 2,400 lost the surface for good where it was sought from
+// the HIP alone.
+TEST(ThickSlices, HoldAToolFarBehindARim) {
+  expectHeld({0.4e-3, 3e-3}, 229);
+  expectHeld({0.4e-3, 5e-3}, 237);
+  expectHeld({0.4e-3, 6e-3}, 495);
+  expectHeld({0.4e-3, 6e-3}, 543);
 }
 
 }  // namespace thick_slices_test

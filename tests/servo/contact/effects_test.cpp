@@ -403,7 +403,7 @@ TEST(Effects, StiffenTheContactByNoMoreThanTheySay) {
         contact.plane = {Vec3(at_W.x(), at_W.y(), 0), Vec3(0, 0, 1), 0};
         contact.hip_W = Vec3(at_W.x(), at_W.y(), -deep_m);
         contact.on_volume = false;
-        contact.felt.p_W = contact.plane.p_W;
+        contact.felt.p_W = contact.felt.place_W = contact.plane.p_W;
         contact.felt.normal_W = contact.plane.normal_W;
         contact.felt.depth_m = deep_m;
         contact.felt.shape = ShapeOperator(contact.plane.normal_W);
@@ -420,9 +420,9 @@ TEST(Effects, StiffenTheContactByNoMoreThanTheySay) {
   EffectParameters p;
   EXPECT_EQ(mostStiffening(p), 1);
   p.force_shading = true;
-  EXPECT_DOUBLE_EQ(mostStiffening(p), std::sqrt(2.0));
+  EXPECT_NEAR(mostStiffening(p), 2 / std::sqrt(3.0), 1e-5);
   p.stiffness_by_density = {{0, 0.25}, {1, 0.5}};
-  EXPECT_DOUBLE_EQ(mostStiffening(p), 0.5 * std::sqrt(2.0));
+  EXPECT_NEAR(mostStiffening(p), 2 / std::sqrt(3.0), 1e-5);  // objects keep all of K
   EXPECT_FALSE(holdAside(p));
   p.friction.static_ratio = 0.1;
   EXPECT_TRUE(holdAside(p));

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -117,9 +118,8 @@ TEST(FeltSurface, AtRestItComesToWhatIsMeasured) {
   for (int tick = 0; tick < 60; ++tick) static_cast<void>(slide.at(tick));
   for (int i = 0; i < 6000; ++i) static_cast<void>(slide.at(59));
   const FeltPoint& felt = slide.at(59);
-  const double spread = SurfacePatch::spreadOf(kDepth / kVoxel);
   const SurfacePatch patch(WindowSampler(slide.held.window), felt.p_W, felt.normal_W,
-                           spread + felt.roughness * (SurfacePatch::kMostSpread - spread));
+                           {.depth_m = kDepth, .wider = felt.roughness});
   EXPECT_LE(angleBetween(felt.normal_W, patch.normal()), 0.02);
 }
 
@@ -197,6 +197,58 @@ TEST(FeltSurface, ALeapBeginsAnew) {
       {.hip_W = Vec3(1, 0, 0), .plane = {Vec3(1.001, 0, 0), Vec3::UnitX(), 0}, .window = &slide.held.window});
   EXPECT_TRUE(felt.p_W.allFinite());
   EXPECT_EQ(felt.normal_W, Vec3::UnitX());
+}
+
+// Nothing of an earlier run is kept: not its windows either, whose versions and storage may come again.
+TEST(FeltSurface, ReleasedItForgetsTheWindow) {
+  Slide slide(0.25), fresh(0.25);
+  for (int tick = 0; tick < 40; ++tick) static_cast<void>(slide.at(tick));
+  slide.surface.release();
+  for (Slide* each : {&slide, &fresh}) each->held.window.lattice.origin_W.x() += 0.4 * kVoxel;
+  for (int tick = 0; tick < 20; ++tick) {
+    const FeltPoint a = slide.at(tick), b = fresh.at(tick);
+    ASSERT_EQ(a.normal_W, b.normal_W) << tick;
+    ASSERT_EQ(a.p_W, b.p_W) << tick;
+  }
+}
+
+// The first window is no edit, however late it comes: what it shows is not taken in over half a second.
+TEST(FeltSurface, TheFirstWindowIsNoEdit) {
+  Slide slide(0);
+  const std::uint64_t version = std::exchange(slide.held.window.version, 0);
+  slide.held.window.edit_version = 7;
+  for (int tick = 0; tick < 5; ++tick) static_cast<void>(slide.at(tick, 0.05));
+  slide.held.window.version = version;
+  const FeltPoint felt = slide.at(5, 0.05);
+  EXPECT_FALSE(felt.edited);
+  // It is measured where the plane puts the surface point: 0.05 D aside, where the ball's normal is 0.05 D / R off.
+  EXPECT_LE(angleBetween(felt.normal_W, slide.normal(5)), 1.1 * 0.05 * kDepth / kRadius);
+}
+
+// On the exact ball the place at which fields are read is the surface point. Where the surface point jumps, here since
+// windows show another ball, the place follows at 1.5 times the speed that the curvature explains.
+TEST(FeltSurface, ThePlaceDoesNotJump) {
+  Slide slide(0);
+  Vec3 last_W = Vec3::Zero();
+  double farthest_m = 0;
+  for (int tick = 0; tick < 120; ++tick) {
+    if (tick == 60) {
+      AnalyticVolume other = slide.volume;
+      other.density = [ball = slide.volume.density](const Vec3& p_W) { return ball(p_W - Vec3(8e-3, 0, 0)); };
+      other.hold(slide.held, Vec3i::Zero(), other.size, 2);
+    }
+    const FeltPoint felt = slide.at(tick);
+    if (tick < 60) {
+      EXPECT_EQ(felt.place_W, felt.p_W) << tick;
+    }
+    farthest_m = std::max(farthest_m, (felt.p_W - felt.place_W).norm());
+    const double way_m = 1.005 * kStep * kRadius / (kRadius - kDepth);
+    if (tick > 0) {
+      ASSERT_LE((felt.place_W - last_W).norm(), 1.06 * FeltSurface::kMostAhead * way_m) << tick;
+    }
+    last_W = felt.place_W;
+  }
+  EXPECT_GT(farthest_m, kVoxel);
 }
 
 }  // namespace felt_surface_test

@@ -28,7 +28,9 @@ class PlaneContact {
     if (plane_is_felt && window->usable()) contact.felt.window = window;
     new_contact_ = false;
     const double depth_m = contact.plane.depth(contact.hip_W);
-    push = {.vhip_W = contact.plane.nearest(contact.hip_W), .energy_m2 = 0.5 * depth_m * depth_m};
+    push = {.vhip_W = contact.plane.nearest(contact.hip_W),
+            .surface_d_W = depth_m * contact.plane.normal_W,
+            .energy_m2 = 0.5 * depth_m * depth_m};
     effect_.move(contact, push);
     return R_WT_.transpose() * push.vhip_W;
   }

@@ -14,9 +14,9 @@
 
 #include "base/units.hpp"
 #include "servo/algorithms/registry.hpp"
-#include "servo/contact/effects.hpp"
 #include "servo/contact/texture.hpp"
 #include "support/algorithm_driver.hpp"
+#include "support/effect_kinds.hpp"
 #include "support/sampled_volume.hpp"
 #include "tests/support/long_run.hpp"
 
@@ -28,20 +28,6 @@ constexpr double kRadius = 20e-3;
 constexpr double kStep = 0.1e-3;  // a tick [m]
 constexpr double kSlide = 16e-3;
 constexpr double kContrast = 1e-3;  // of the density that a millimetre of depth makes
-
-enum Effect { kNone, kShading, kProcedural, kDensity, kStiffness, kFriction, kRecovery, kEffects };
-constexpr const char* kNames[] = {"none", "shading", "procedural", "density", "stiffness", "friction", "recovery"};
-
-EffectParameters parametersOf(int effect) {
-  EffectParameters p;
-  if (effect == kShading) p.force_shading = true;
-  if (effect == kProcedural) p.texture = TextureKind::kProcedural;
-  if (effect == kDensity) p.texture = TextureKind::kDensity;
-  if (effect == kStiffness) p.stiffness_by_density = {{0.5 * kContrast, 1}, {2 * kContrast, 2}};
-  if (effect == kFriction) p.friction = {0.5, 0.4, 0};
-  if (effect == kRecovery) p.recovery_s = 0.05;
-  return p;
-}
 
 struct Ground {
   Ground(bool is_plane, unsigned seed) : plane(is_plane) {
@@ -88,7 +74,7 @@ Felt feel(const Ground& ground, const AnalyticVolume& volume, int effect, double
           Brush brush = Brush::kNone, double noise = 0, unsigned seed = 0) {
   AlgorithmSetup setup;
   setup.parameters = {.stiffness_N_per_m = 500, .damping_Ns_per_m = 0, .plane_renewal_ticks = n};
-  setup.effects = makeContactEffects(parametersOf(effect), 500, 1000);
+  setup.effects = makeContactEffects(effectOf(effect, 0, kContrast), 500, 1000);
   const auto hri = makeAlgorithm("hri", std::move(setup));
   AlgorithmDriver driver(*hri, volume, ground.at(0, -3e-3));
   driver.around_vhip = true;
@@ -132,8 +118,8 @@ double middleOf(std::vector<double> values) {
 }
 
 class RoughEffects : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Each, RoughEffects, testing::Range(static_cast<int>(kShading), static_cast<int>(kEffects)),
-                         [](const auto& test) { return std::string(kNames[test.param]); });
+INSTANTIATE_TEST_SUITE_P(Each, RoughEffects, testing::Range(static_cast<int>(kShading), static_cast<int>(kEffectKinds)),
+                         [](const auto& test) { return std::string(kEffectNames[test.param]); });
 
 // Depths and n from all over; the exact surface is that of the same press. Before there was a felt surface, shading
 // changed the force by up to 3.6 N a tick, the procedural texture by 6.2, stiffness by 4.5.
@@ -208,7 +194,7 @@ TEST(RoughEffectsOnTheExactBall, TheTextureIsThatOfTheFormula) {
     const AnalyticVolume exact = stored(volumeOf(ground, ground.surface(), 0, 5));
     AlgorithmSetup setup;
     setup.parameters = {.stiffness_N_per_m = 500, .damping_Ns_per_m = 0, .plane_renewal_ticks = 1};
-    setup.effects = makeContactEffects(parametersOf(kProcedural), 500, 1000);
+    setup.effects = makeContactEffects(effectOf(kProcedural, 0, kContrast), 500, 1000);
     const auto hri = makeAlgorithm("hri", std::move(setup));
     AlgorithmDriver driver(*hri, exact, ground.at(0, -3e-3));
     driver.around_vhip = true;

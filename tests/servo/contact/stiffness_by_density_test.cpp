@@ -67,10 +67,30 @@ TEST_F(StiffnessByDensityTest, KeepsTheDirectionOfTheForce) {
   FeltSurface felt(0, 1000);
   contact.felt = felt.feel({.hip_W = contact.hip_W, .plane = contact.plane, .begins = true, .window = &held_.window});
   const Vec3 d(0.2e-3, -0.1e-3, 0.4e-3);
-  ContactPush push{.vhip_W = contact.hip_W + d, .energy_m2 = 0.5 * d.z() * d.z()};
+  ContactPush push{.vhip_W = contact.hip_W + d, .surface_d_W = d, .energy_m2 = 0.5 * d.z() * d.z()};
   effect_.move(contact, push);
   EXPECT_NEAR((push.vhip_W - contact.hip_W - 0.25 * d).norm(), 0, 1e-16);
   EXPECT_NEAR(push.energy_m2, 0.25 * 0.5 * d.z() * d.z(), 1e-16);
+}
+
+// What is added to K is added along the felt normal. If force shading has turned d there already, it is not turned
+// twice; what a texture laid over the surface is made stiffer with it.
+TEST_F(StiffnessByDensityTest, TurnsNoShadedForceAgain) {
+  ContactState contact;
+  contact.hip_W = Vec3(40e-3, 30e-3, kLevel - kDepth);
+  contact.plane = {Vec3(40e-3, 30e-3, kLevel), Vec3::UnitZ(), 0};
+  contact.new_contact = true;
+  FeltSurface felt(0, 1000);
+  contact.felt = felt.feel({.hip_W = contact.hip_W, .plane = contact.plane, .begins = true, .window = &held_.window});
+  contact.felt.normal_W = Vec3(0.6, 0, 0.8);
+  contact.felt.now_W.z() -= 3 * kVoxel;  // the density there is on the plateau in every direction
+  contact.felt.depth_m = 0.8 * kDepth;
+  const Vec3 shaded_d = kDepth * Vec3(0.75, 0, 1), bump(0, 0.01e-3, 0.02e-3);
+  ContactPush push{
+      .vhip_W = contact.hip_W + shaded_d + bump, .surface_d_W = shaded_d, .energy_m2 = 0.5 * kDepth * kDepth};
+  effect_.move(contact, push);
+  const Vec3 wanted_d = shaded_d + bump + 0.5 * (0.8 * kDepth * Vec3(0.6, 0, 0.8) + bump);
+  EXPECT_NEAR((push.vhip_W - contact.hip_W - wanted_d).norm(), 0, 1e-9 * kDepth);
 }
 
 // Where nothing is known below the surface the contact's last factor holds; a new contact begins with 1.

@@ -33,7 +33,8 @@ TEST(SurfacePatch, OnABallCurvatureIsOneOverTheRadiusAndTheNormalExact) {
       const Vec3 radial = random.direction();
       const Vec3 normal_W = out * radial;
       for (const double spread : {1.5, 4.0}) {
-        const SurfacePatch patch(WindowSampler(held.window), centre_W + kRadius * radial, normal_W, spread);
+        const SurfacePatch patch(WindowSampler(held.window), centre_W + kRadius * radial, normal_W,
+                                 {.wider = spread == 4 ? 1.0 : 0.0});
         const double relative =
             0.5 * std::pow(spread * 1e-3 / kRadius, 2) + (1.0 / 6 + 3.0 / 8) * std::pow(1e-3 / kRadius, 2);
         ASSERT_TRUE(patch.known());
@@ -70,7 +71,7 @@ TEST(SurfacePatch, OnASaddleEachDirectionHasItsOwn) {
     return -(normal_W.dot(x) + 30 * std::pow(a_W.dot(x), 2) - 20 * std::pow(b_W.dot(x), 2));
   };
   const HeldWindow held = windowOn(volume);
-  const SurfacePatch patch(WindowSampler(held.window), p_W, normal_W, 1.5);
+  const SurfacePatch patch(WindowSampler(held.window), p_W, normal_W, {});
   const ShapeOperator shape(normal_W, patch.curvature().S_W);
   for (const double angle : {0.0, 0.3, 0.8, 1.2, 1.57, 2.5}) {
     const double a = std::cos(angle), b = std::sin(angle);
@@ -101,7 +102,7 @@ TEST(SurfacePatch, TheUnevennessIsThatOfTheNoise) {
     for (int i = 0; i < kPatches; ++i) {
       Vec3 p_W = middle_W + random.inCube(15e-3);
       p_W -= normal_W * normal_W.dot(p_W - middle_W);
-      const SurfacePatch patch(sampler, p_W, normal_W, 4);
+      const SurfacePatch patch(sampler, p_W, normal_W, {.wider = 1});
       ASSERT_TRUE(patch.known());
       const SurfacePatch::Curvature curvature = patch.curvature();
       squares += std::pow(curvature.unevenness, 2);
@@ -123,7 +124,7 @@ TEST(SurfacePatch, IsAsWideInVoxelsAlongEachAxis) {
   volume.size = Vec3i(40, 40, 20);
   volume.density = [](const Vec3& p) { return p.x(); };
   const HeldWindow held = windowOn(volume);
-  const SurfacePatch patch(WindowSampler(held.window), volume.lattice.toWorld(Vec3(20, 20, 10)), -Vec3::UnitX(), 1.5);
+  const SurfacePatch patch(WindowSampler(held.window), volume.lattice.toWorld(Vec3(20, 20, 10)), -Vec3::UnitX(), {});
   EXPECT_NEAR(patch.ways()[0].norm(), 0, 1e-15);
   EXPECT_NEAR(patch.ways()[1].norm(), 0.75e-3, 1e-15);
   EXPECT_NEAR(patch.ways()[2].norm(), 4.5e-3, 1e-15);
@@ -136,14 +137,15 @@ TEST(SurfacePatch, WhatIsNotKnownCountsAsFlat) {
   HeldWindow held = windowOn(volume);
   const Vec3 normal_W = Vec3(1, 2, 3).normalized();
   const Vec3 p_W = Vec3::Constant(16e-3) + 10e-3 * normal_W;
-  ASSERT_FALSE(SurfacePatch(WindowSampler(held.window), p_W, normal_W, 1.5).curvature().S_W.isZero(0));
+  ASSERT_FALSE(SurfacePatch(WindowSampler(held.window), p_W, normal_W, {}).curvature().S_W.isZero(0));
   for (Sample& sample : held.samples) sample.gradient_i = sample.gradient_j = sample.gradient_k = 0;
-  EXPECT_FALSE(SurfacePatch(WindowSampler(held.window), p_W, normal_W, 1.5).known());
+  EXPECT_FALSE(SurfacePatch(WindowSampler(held.window), p_W, normal_W, {}).known());
   // A wall of one voxel: its other side is 1.5 voxels away, where the gradients face the other way.
   const AnalyticVolume wall =
       millimetreVolume([](const Vec3& p) { return p.x() < 16.2e-3 ? p.x() - 15e-3 : 17.4e-3 - p.x(); }, 32);
   const HeldWindow of_wall = windowOn(wall);
-  const SurfacePatch patch(WindowSampler(of_wall.window), Vec3(15e-3, 16e-3, 16e-3), Vec3(-0.6, 0.8, 0), 3);
+  const SurfacePatch patch(WindowSampler(of_wall.window), Vec3(15e-3, 16e-3, 16e-3), Vec3(-0.6, 0.8, 0),
+                           {.wider = 0.6});
   EXPECT_TRUE(patch.curvature().S_W.allFinite());
 }
 

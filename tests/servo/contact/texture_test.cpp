@@ -129,7 +129,7 @@ TEST(ProceduralTexture, PushesDownTheSlopeOfWhatItStores) {
 // A hand feels a slope of 1 at most, whatever amplitude is asked for; and nearly that.
 TEST(ProceduralTexture, IsNoSteeperThanStated) {
   ProceduralTexture texture(1, kWavelength);
-  EXPECT_NEAR(texture.amplitude(), kSteepestTexture * std::sqrt(3.0) / (2 * std::numbers::pi) * kWavelength, 1e-15);
+  EXPECT_NEAR(texture.amplitude(), kSteepest * std::sqrt(3.0) / (2 * std::numbers::pi) * kWavelength, 1e-15);
   PlaneContact contact(texture);
   double steepest = 0;
   for (int i = 0; i < 200'000; ++i) {
@@ -137,8 +137,8 @@ TEST(ProceduralTexture, IsNoSteeperThanStated) {
     const Vec3 d = contact.at(hip) - hip;
     steepest = std::max(steepest, std::hypot(d.x(), d.y()) / d.z());
   }
-  EXPECT_LE(steepest, kSteepestTexture);
-  EXPECT_GT(steepest, 0.8 * kSteepestTexture);
+  EXPECT_LE(steepest, kSteepest);
+  EXPECT_GT(steepest, 0.8 * kSteepest);
 }
 
 // D' is 0 where the depth is, never negative and at most 2D, and 1 + h s' is from 0 to 2: so contact begins and ends

@@ -100,6 +100,13 @@ TEST(Recording, ComesBackToTheBit) {
   }
 }
 
+// SimulatedDevice holds a force back by 10'000 ticks at most. A session with it is read back.
+TEST(Recording, MayHaveTheMostDelay) {
+  Recording r = anyRecording(2, 3);
+  r.limits.force_delay_ticks = 10'000;
+  EXPECT_EQ(readRecording(recordingBytes(r), "a").limits.force_delay_ticks, 10'000);
+}
+
 // A tick at rest takes one byte.
 TEST(Recording, IsCompact) {
   Recording r{.device = "d", .rate_hz = 1000};
@@ -175,6 +182,9 @@ TEST(Recording, RefusesWhatIsNone) {
   EXPECT_THAT(refusal(recordingBytes(odd)), HasSubstr("its header is damaged"));
   odd = anyRecording(1, 3);
   odd.hands = {{.hand_mass_kg = 0, .device_mass_kg = 0}};
+  EXPECT_THAT(refusal(recordingBytes(odd)), HasSubstr("its header is damaged"));
+  odd = anyRecording(1, 3);
+  odd.limits.force_delay_ticks = 10'001;
   EXPECT_THAT(refusal(recordingBytes(odd)), HasSubstr("its header is damaged"));
   odd = anyRecording(1, 3);
   odd.ticks[1].elapsed_ticks = -4;

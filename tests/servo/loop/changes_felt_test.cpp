@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "changing_press.hpp"
+#include "servo/safety/faults.hpp"
 #include "support/seeded.hpp"
 
 namespace palpate {
@@ -173,6 +174,60 @@ TEST(ServoLoopChanges, AtRandomNeverLoseAContact) {
       ASSERT_TRUE(records[i].in_contact) << i;
       ASSERT_EQ(records[i].faults & kFadingFaults, 0U) << i;
       ASSERT_LE((force(records[i]) - force(records[i - 1])).norm(), 0.08 + 0.15 * 1000 * depth_m) << i;
+    }
+  }
+}
+
+// In one tick the tool leaps into the ball and new settings come. Nothing is known of how it came there, so it is not
+// pushed out: the new algorithm does not go on from the contact of before.
+TEST(ServoLoopChanges, AChangeInTheTickOfALeapPushesNobodyOut) {
+  class Leaping final : public Device {
+   public:
+    [[nodiscard]] std::string_view name() const noexcept override { return "leaping"; }
+    [[nodiscard]] DeviceLimits limits() const noexcept override { return {.force_limit_N = 5}; }
+    [[nodiscard]] bool read(Vec3& position_W) noexcept override {
+      ++ticks_;
+      position_W = ticks_ <= 300 ? onBall(0, std::min(1e-3, -1e-3 + 1e-5 * ticks_)) : onBall(1.5, 5e-3);
+      return true;
+    }
+    [[nodiscard]] bool leapt() noexcept override { return ticks_ == 301; }
+    [[nodiscard]] bool write(const Vec3&) noexcept override { return true; }
+
+   private:
+    int ticks_ = 0;
+  };
+  Press press("hri", stiff(500), pressAndHold(1e-3));
+  press.parameters.ticks = 600;
+  Leaping device;
+  ServoLoop loop(press.parameters, *press.algorithm, device, press.scene.windows, press.scene.tool);
+  loop.takeChangesFrom(press.changes);
+  const auto records = loop.runSimulated([&](std::int64_t tick, std::int64_t now_ns) {
+                             const ToolPose& pose = press.scene.tool.latest();
+                             if (tick % 16 == 0)
+                               press.scene.publish(pose.at_surface ? pose.surface_W : pose.position_W, now_ns);
+                             press.scene.windows.confirm(now_ns);
+                             if (tick == 300) press.changes.give({.algorithm = press.make("hri", stiff(900))});
+                           })
+                           .records;
+  ASSERT_GT(force(records[299]).norm(), 0.2);
+  for (std::size_t tick = 301; tick < records.size(); ++tick) {
+    ASSERT_FALSE(records[tick].in_contact) << tick;
+    // Until a window has followed the tool, that one is missing is all that is known.
+    ASSERT_NE(records[tick].faults & (bit(ServoFault::kInsideObject) | bit(ServoFault::kBeyondWindow)), 0U) << tick;
+  }
+  EXPECT_TRUE(has(records.back().faults, ServoFault::kInsideObject));
+}
+
+// The same for a run that begins inside: no change of the settings gives a force before the tool has been outside.
+TEST(ServoLoopChanges, AToolThatStartedInsideStaysWithoutForce) {
+  for (const char* name : {"hri", "hri-paper", "blezek"}) {
+    Press press("hri", stiff(500),
+                SampledPath({0, 0.6, 1.0}, {onBall(0, 4e-3), onBall(0, 3e-3), onBall(0, 3e-3)},
+                            SampledPath::Interpolation::kLinear));
+    for (const TickRecord& record : press.run([&](std::int64_t tick) {
+           if (tick == 200) press.changes.give({.algorithm = press.make(name, stiff(900))});
+         })) {
+      ASSERT_TRUE(force(record).isZero(0)) << name << " " << record.tick;
     }
   }
 }

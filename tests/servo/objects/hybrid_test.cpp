@@ -160,10 +160,11 @@ TEST(Hybrid, AToolWedgedBetweenMeshAndBoneDoesNotJitter) {
           from_W = to_W;
         }
         EXPECT_GT(both, 0.004 / step_m / 4) << "it is meant to be wedged";
-        // Held still: a renewed plane is off by d / R of what the last one was, so after ten of them nothing moves.
+        // Held still: a renewed plane is off by d / R of what the last one was, so after ten of them, and when what an
+        // object's leaving left has been taken in (EditLead: 500 ticks), nothing moves.
         const Vec3 held_W = inGroove(0.01, 15e-3, -0.7e-3);
         driver.stroke(held_W, 100);
-        for (int i = 0; i < 10 * n; ++i) last = driver.at(held_W);
+        for (int i = 0; i < 500 + 10 * n; ++i) last = driver.at(held_W);
         for (int i = 0; i < 200; ++i) {
           const TickOutput out = driver.at(held_W);
           ASSERT_LE((out.force_W - last.force_W).norm(), 500 * 1e-9) << i;

@@ -6,6 +6,7 @@
 // with 500 N/m. The true VHIP is the point of the line beside the HIP.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -84,6 +85,60 @@ TEST(RoughGroove, NothingJumpsOnMasksAndMoreNoise) {
       for (unsigned seed = 1; seed <= 4; ++seed)
         EXPECT_LE(slideAlong(degrees, noise, 1, seed).change_N, 500 * 0.3e-3) << degrees << " " << noise << " " << seed;
     }
+  }
+}
+
+// A floor of the volume and a wall across it.
+struct Corner {
+  explicit Corner(unsigned seed) {
+    Sampling sampling{.size = Vec3i::Constant(64), .noise_m = 0.25e-3, .seed = seed};
+    sampling.lattice = latticeAround(Vec3::Zero(), sampling.size, Vec3::Constant(1e-3));
+    volume = stored(sampledOn(sampling, planeSurface(Vec3::Zero(), Vec3(0.6, 0, 0.8))));
+    AlgorithmSetup setup;
+    setup.parameters = {.stiffness_N_per_m = 500, .damping_Ns_per_m = 0, .plane_renewal_ticks = 1};
+    setup.objects = {std::make_shared<const PlaneObject>(Vec3::Zero(), Vec3(-0.6, 0, 0.8))};
+    hri = makeAlgorithm("hri", std::move(setup));
+    driver.emplace(*hri, volume, Vec3(0, -8e-3, 3e-3), 64);
+  }
+  std::vector<TickOutput> to(double x_mm, double y_mm, double z_mm, int ticks) {
+    return driver->stroke(Vec3(x_mm, y_mm, z_mm) * 1e-3, ticks);
+  }
+  AnalyticVolume volume;
+  std::unique_ptr<Algorithm> hri;
+  std::optional<AlgorithmDriver> driver;
+};
+
+// A groove that was left is forgotten with the contact: the next one is felt as if it were the first.
+TEST(RoughGroove, TheLastOneIsForgotten) {
+  Corner used(3), fresh(3);
+  used.to(0, -8, -2, 50);
+  used.to(0, 8, -2, 160);
+  for (Corner* each : {&used, &fresh}) {
+    each->to(0, 8, 6, 80);
+    each->to(0, 4, 6, 40);
+  }
+  const auto a = used.to(0, 4, -2, 80), b = fresh.to(0, 4, -2, 80);
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].force_W, b[i].force_W) << i;
+  EXPECT_GT(b.back().force_W.norm(), 0.5);
+}
+
+// From the groove up the volume's slope, where the wall is soon far away: the force goes over to the one of the volume
+// alone by no more in a tick than on the slope without any wall.
+TEST(RoughGroove, IsLeftWithoutAJump) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    Corner corner(seed);
+    Vec3 last_W = corner.to(0, -8, -2, 50).back().force_W;
+    double change_N = 0;
+    const auto follow = [&](const std::vector<TickOutput>& outs) {
+      for (const TickOutput& out : outs) {
+        change_N = std::max(change_N, (out.force_W - last_W).norm());
+        last_W = out.force_W;
+      }
+    };
+    follow(corner.to(0, 0, -2, 80));
+    follow(corner.to(-8, 4, 4, 110));
+    EXPECT_LE(change_N, 500 * 0.5e-3) << seed;
+    EXPECT_GT(last_W.dot(Vec3(0.6, 0, 0.8)), 0.9 * last_W.norm()) << seed;
   }
 }
 

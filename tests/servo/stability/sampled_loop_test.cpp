@@ -40,8 +40,8 @@ SampledLoop anyLoop(Dice& dice) {
   return loop;
 }
 
-// A mass m with damping b against the ground, no filter, no delay, no damping of the wall: two states. With e =
-// exp(-b T / m) the step is x+ = x + m (1 - e) / b v + ..., and Jury's criterion for order two gives two limits of K.
+// A mass m with damping b against the ground, no filter, no delay, no damping of the wall: two states. With
+// e = exp(-b T / m) the step is x+ = x + m (1 - e) / b v + ..., and Jury's criterion for order two limits K twice.
 double boundOfBareMass(double mass_kg, double damping_Ns_per_m, double tick_s) {
   const double m = mass_kg, b = damping_Ns_per_m;
   const double e = std::exp(-b * tick_s / m), lost = -std::expm1(-b * tick_s / m);
