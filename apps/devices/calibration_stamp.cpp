@@ -2,15 +2,12 @@
 #include "apps/devices/calibration_stamp.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "base/atomic_file.hpp"
-#include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/user_folders.hpp"
 
@@ -45,32 +42,12 @@ std::string identityOf(const CalibratedAs& device) {
 
 }  // namespace
 
-CalibrationStamp::CalibrationStamp(const CalibratedAs& device)
-    : file_(stampFile(device.path)), identity_(identityOf(device)) {}
-
-bool CalibrationStamp::isThere() const {
-  if (identity_.empty() || file_.empty()) return false;
-  std::ifstream stream(file_, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {}) == identity_;
-}
+CalibrationStamp::CalibrationStamp(const CalibratedAs& device) : stamp_(stampFile(device.path), identityOf(device)) {}
 
 bool CalibrationStamp::take() {
   const bool was_there = isThere();
-  std::error_code ignored;
-  if (!file_.empty()) fs::remove(file_, ignored);
+  stamp_.remove();
   return was_there;
-}
-
-bool CalibrationStamp::put() const {
-  if (identity_.empty() || file_.empty()) return false;
-  std::error_code ignored;
-  fs::create_directories(file_.parent_path(), ignored);
-  try {
-    writeFileAtomically(file_, identity_);
-  } catch (const Error&) {
-    return false;
-  }
-  return true;
 }
 
 }  // namespace palpate

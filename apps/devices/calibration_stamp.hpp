@@ -8,9 +8,9 @@
 // without a runtime folder keeps no stamps.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
+#include "apps/devices/device_stamp.hpp"
 #include "servo/devices/registry.hpp"
 
 namespace palpate {
@@ -25,15 +25,14 @@ struct CalibratedAs {
 class CalibrationStamp {
  public:
   explicit CalibrationStamp(const CalibratedAs& device);
-  [[nodiscard]] bool isThere() const;
+  [[nodiscard]] bool isThere() const { return stamp_.isThere(); }
   // Whether it was there. Afterwards the device has none, of whatever kind.
   bool take();
   // False: it could not be kept, and the device must be calibrated again in the next run.
-  bool put() const;
+  bool put() const { return stamp_.put(); }
 
  private:
-  std::filesystem::path file_;  // empty: none can be kept
-  std::string identity_;        // empty: there was no device
+  DeviceStamp stamp_;
 };
 
 }  // namespace palpate

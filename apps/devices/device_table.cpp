@@ -226,6 +226,21 @@ const UsbId* DeviceKind::idOf(std::uint16_t vendor, std::uint16_t product) const
   return id == usb.end() ? nullptr : &*id;
 }
 
+std::vector<double> DeviceKind::eachValueOf(std::string_view key) const {
+  const std::span<const DeviceParameter> parameters = deviceEntry(family).parameters();
+  const auto parameter = std::ranges::find(parameters, key, &DeviceParameter::key);
+  if (parameter == parameters.end()) return {};
+  std::vector<double> each;
+  for (const UsbId& id : usb) {
+    double value = parameter->usual;
+    for (const DeviceValues* const stated : {&values, &id.values}) {
+      if (const auto found = stated->find(std::string(key)); found != stated->end()) value = found->second;
+    }
+    each.push_back(value);
+  }
+  return each;
+}
+
 std::string usbText(std::uint16_t vendor, std::uint16_t product) {
   return fmt::format("{:04x}:{:04x}", vendor, product);
 }

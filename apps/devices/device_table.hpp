@@ -33,6 +33,9 @@ struct DeviceKind {
   std::string file;  // that it comes from; empty: the program's own
 
   [[nodiscard]] const UsbId* idOf(std::uint16_t vendor, std::uint16_t product) const noexcept;  // null: none
+  // What each of its USB numbers has of a value; where nothing is stated, the family's usual one. Empty: the family has
+  // no such value.
+  [[nodiscard]] std::vector<double> eachValueOf(std::string_view key) const;
 };
 
 // "1234:0006".

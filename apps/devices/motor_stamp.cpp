@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
+#include <filesystem>
 
 #include <fmt/format.h>
 
-#include "base/atomic_file.hpp"
-#include "base/error.hpp"
 #include "base/user_folders.hpp"
 
 namespace palpate {
@@ -24,35 +21,14 @@ std::filesystem::path motorStampFile(const CheckedAs& device) {
   return folder / "motors" / name;
 }
 
+std::string checkedWords(const CheckedAs& device) {
+  std::string words = fmt::format("motors checked, 1\n{}\n{}\n{}\n", device.kind, device.usb, device.place);
+  for (const auto& [key, value] : device.values) words += fmt::format("{} = {}\n", key, value);
+  return words;
+}
+
 }  // namespace
 
-MotorStamp::MotorStamp(const CheckedAs& device)
-    : file_(motorStampFile(device)),
-      identity_(fmt::format("motors checked, 1\n{}\n{}\n{}\n", device.kind, device.usb, device.place)) {
-  for (const auto& [key, value] : device.values) identity_ += fmt::format("{} = {}\n", key, value);
-}
-
-bool MotorStamp::isThere() const {
-  if (file_.empty()) return false;
-  std::ifstream stream(file_, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(stream), {}) == identity_;
-}
-
-void MotorStamp::remove() const {
-  std::error_code ignored;
-  if (!file_.empty()) std::filesystem::remove(file_, ignored);
-}
-
-bool MotorStamp::put() const {
-  if (file_.empty()) return false;
-  std::error_code ignored;
-  std::filesystem::create_directories(file_.parent_path(), ignored);
-  try {
-    writeFileAtomically(file_, identity_);
-  } catch (const Error&) {
-    return false;
-  }
-  return true;
-}
+MotorStamp::MotorStamp(const CheckedAs& device) : stamp_(motorStampFile(device), checkedWords(device)) {}
 
 }  // namespace palpate

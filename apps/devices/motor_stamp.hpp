@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <string>
 
+#include "apps/devices/device_stamp.hpp"
 #include "servo/devices/registry.hpp"
 
 namespace palpate {
@@ -25,16 +26,15 @@ struct CheckedAs {
 class MotorStamp {
  public:
   explicit MotorStamp(const CheckedAs& device);
-  [[nodiscard]] bool isThere() const;
+  [[nodiscard]] bool isThere() const { return stamp_.isThere(); }
   // Before a check: what was found out before does not hold any more.
-  void remove() const;
+  void remove() const { stamp_.remove(); }
   // False: it could not be kept.
-  bool put() const;
-  [[nodiscard]] const std::filesystem::path& file() const noexcept { return file_; }  // empty: none can be kept
+  bool put() const { return stamp_.put(); }
+  [[nodiscard]] const std::filesystem::path& file() const noexcept { return stamp_.file(); }  // empty: none can be kept
 
  private:
-  std::filesystem::path file_;
-  std::string identity_;
+  DeviceStamp stamp_;
 };
 
 }  // namespace palpate

@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/units.hpp"
+#include "servo/devices/hand_way.hpp"
 #include "servo/devices/jointed_arm.hpp"
 #include "servo/devices/motor_check.hpp"
 

@@ -17,6 +17,7 @@
 #include "check_motors.hpp"
 #include "device_arguments.hpp"
 #include "servo/devices/calibration_refusal.hpp"
+#include "servo/devices/force_off.hpp"
 #include "servo/devices/jointed_arm.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/hid/hid.hpp"
@@ -91,6 +92,31 @@ void calibrateHere(Device& device, const CalibrateArguments& arguments) {
   }
 }
 
+// The limits with which a device is opened. In a check its motors push, within what its kind states. Of the amplifiers
+// it mostly states nothing: all that are known bear more than kTrial_A, and no push needs as much. Without a check
+// nothing is exerted. The limits are then as high as can be: a device without one would say only that.
+DeviceValues limitsFor(const DeviceKind& kind, const DeviceValues& stated, bool is_checked) {
+  constexpr double kTrial_A = 1;
+  DeviceValues limits;
+  for (const DeviceParameter& p : deviceEntry(kind.family).parameters()) {
+    const std::string key(p.key);
+    const bool is_force = key == "force_limit_N";
+    if (!is_force && key != "current_limit_A") continue;
+    const auto given = stated.find(key);
+    const double value = given != stated.end() ? given->second : p.usual;
+    if (!is_checked) {
+      limits[key] = p.highest;
+    } else if (is_force && !(value > 0)) {
+      const ForceOffWords words = wordsOf(ForceOff::kLimitZero);
+      refuse("--check", fmt::format("the motors of {} may not push: {}", kind.name, words.reason),
+             std::string(words.remedy));
+    } else if (!is_force && !(value > 0)) {
+      limits[key] = kTrial_A;
+    }
+  }
+  return limits;
+}
+
 void calibrate(const CalibrateArguments& arguments) {
   const DeviceKind* kind = deviceKindNamed(arguments.device);
   if (kind == nullptr) {
@@ -102,11 +128,7 @@ void calibrate(const CalibrateArguments& arguments) {
   const MotorStamp motors(choice.asChecked());
   std::vector<std::string> look_alikes;
   for (const DeviceKind& other : lookAlikes(*kind, choice.device)) look_alikes.push_back(other.name);
-  DeviceSetup setup{.calibrated = arguments.calibrated};
-  // Limits matter for forces alone, of which there are none here but those of a check, which it holds itself; without
-  // one the device would say nothing else.
-  for (const DeviceParameter& p : deviceEntry(kind->family).parameters())
-    if (p.key == "current_limit_A" || p.key == "force_limit_N") setup.values[std::string(p.key)] = p.highest;
+  DeviceSetup setup{.values = limitsFor(*kind, choice.values, arguments.check), .calibrated = arguments.calibrated};
   std::shared_ptr<Device> device = openChosenDevice(*kind, std::move(choice), std::move(setup));
   if (device->forceOff() == ForceOff::kInputOnly) {
     printResult("{} needs no calibration.\n", arguments.device);

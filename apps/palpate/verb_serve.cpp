@@ -33,9 +33,10 @@ namespace palpate {
 namespace {
 
 constexpr double kEnginesEnd_s = 600;  // it may have a large file to write
-constexpr double kServosEnd_s = 15;    // its force fades, for 10 s at most
+constexpr double kServosEnd_s = 5;     // beyond the longest fade of its force
 constexpr const char* kSupervise = "--supervise";
-const int kBadInputStatus = exitStatus(Error::Code::kBadInput), kNotFoundStatus = exitStatus(Error::Code::kNotFound);
+const int kBadInputStatus = exitStatus(Error::Code::kBadInput), kNotFoundStatus = exitStatus(Error::Code::kNotFound),
+          kIoStatus = exitStatus(Error::Code::kIo);
 
 std::filesystem::path thisProgram() {
   std::error_code unknown;
@@ -53,17 +54,21 @@ std::vector<std::string> ownCommand() {
   return words;
 }
 
-// Engine and servo as children, which are started again when one dies. The engine's good end is that of both.
+// Engine and servo as children, which are started again when one dies. The engine's good end is that of both. A servo
+// that cannot read its ceilings would never be able to: it has said what is wrong with them.
 void superviseBoth(const Scene& scene) {
   std::vector<std::string> servo = {servoProgram().string(), "--connect", socketOf(scene)};
   if (scene.device_calibrated) servo.emplace_back("--calibrated");  // who says so starts both
-  const SupervisionEnd end =
-      supervise({{.name = "engine",
-                  .argv = ownCommand(),
-                  .essential = true,
-                  .hopeless = {kBadInputStatus, kNotFoundStatus},
-                  .patience_s = kEnginesEnd_s},
-                 {.name = "servo", .argv = std::move(servo), .essential = false, .patience_s = kServosEnd_s}});
+  const SupervisionEnd end = supervise({{.name = "engine",
+                                         .argv = ownCommand(),
+                                         .essential = true,
+                                         .hopeless = {kBadInputStatus, kNotFoundStatus},
+                                         .patience_s = kEnginesEnd_s},
+                                        {.name = "servo",
+                                         .argv = std::move(servo),
+                                         .essential = false,
+                                         .hopeless = {kBadInputStatus, kNotFoundStatus, kIoStatus},
+                                         .patience_s = kServosEnd_s + longestFade_s(scene)}});
   if (end.killed > 0) {
     throw Error(Error::Code::kDevice, "palpate serve --supervise",
                 fmt::format("{} of its processes did not end in time and were killed", end.killed),

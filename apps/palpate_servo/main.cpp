@@ -80,6 +80,7 @@ int main(int argc, char** argv) {
   bool is_open = false, is_known = is_made || stays;
   // Who starts an engine that starts its servo says of both whether the device is calibrated.
   palpate::ServoCeilings ceilings{.takes_calibrated = is_made};
+  bool engine_is_told = false;  // of errors from now on
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));
   try {
     for (int i = 3; i < argc && is_known; ++i) {
@@ -103,10 +104,11 @@ int main(int argc, char** argv) {
     } else {
       giveUpRights(is_made);
     }
+    engine_is_told = is_made;
     is_made ? serveMaker(argv[2], ceilings) : serveWhoeverListens(argv[2], ceilings);
     return 0;
-  } catch (const palpate::Error& error) {  // the engine has been told, or is not there; or a ceiling is none
-    if (error.code() == palpate::Error::Code::kBadInput && !is_made) palpate::tellError(error.what());
+  } catch (const palpate::Error& error) {
+    if (!engine_is_told) palpate::tellError(error.what());
     return palpate::exitStatus(error.code());
   } catch (const std::exception& error) {
     palpate::tellError(error.what());

@@ -10,6 +10,7 @@
 
 #include "apps/scene/scene_text.hpp"
 #include "apps/servo_side/attachments.hpp"
+#include "apps/servo_side/servo_ceilings.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
@@ -70,6 +71,7 @@ std::uint64_t mostRecordingBytes(std::size_t reads) {
 RemoteServo::RemoteServo(Channel channel, const Request& request)
     : channel_(std::move(channel), "the servo"),
       loop_patience_ms_(request.loop_patience_ms),
+      end_patience_ms_(request.end_patience_ms),
       memory_({.samples = request.window_samples, .ticks = request.told_ticks}),
       tool_(memory_.tool()),
       aims_(memory_.aims()) {
@@ -136,11 +138,21 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
   most_records_ =
       static_cast<std::uint64_t>(std::max<std::int64_t>(0, loop.record_ticks < 0 ? loop.ticks : loop.record_ticks));
   make.doubtful = loop.instability.doubtful;
-  end_patience_ns_ = std::int64_t{MessageChannel::kPatience_ms} * 1'000'000 + std::llround(loop.safety.fade_s * 1e9);
+  end_patience_ns_ = endPatience_ns(loop.safety);
   make.window_samples = memory_.capacity();
   make.told_ticks = memory_.tickCapacity();
   channel_.send(std::move(make), memory_.descriptor());
   static_cast<void>(channel_.expect<wire::LoopMadeT>(loop_patience_ms_));
+}
+
+// The force fades first. How long that may take by ceilings of the servo's own is not known here.
+std::int64_t RemoteServo::endPatience_ns(const SafetyParameters& safety) const {
+  constexpr std::int64_t kNanosecondsPerMs = 1'000'000;
+  if (end_patience_ms_) return *end_patience_ms_ * kNanosecondsPerMs;
+  const double scale = placed_ ? placed_->force_scale : 1;
+  const double fade_s =
+      longestFade_s(device_->limits().force_limit_N * scale, safety.fade_s, safety.slew_limit_N_per_s * scale);
+  return MessageChannel::kPatience_ms * kNanosecondsPerMs + std::llround(fade_s * 1e9);
 }
 
 std::uint64_t RemoteServo::give(ServoChange change, const RigSettings& settings) {

@@ -40,6 +40,9 @@ class RemoteServo final : public ServoSide {
     const wire::HelloT* hello = nullptr;  // the servo's first message, if it was read already
     int patience_ms = 120'000;            // while the servo makes a device
     int loop_patience_ms = 120'000;       // while it makes a loop, with a mesh's search tree
+    // From a request to stop. Empty: the longest fade that the servo's own ceilings may ask for (longestFade_s()), and
+    // MessageChannel::kPatience_ms.
+    std::optional<int> end_patience_ms = {};
   };
   // Makes the device over there. Throws Error: as makeSceneDevice() does; kDevice, kBadInput as MessageChannel does.
   RemoteServo(Channel channel, const Request& request);
@@ -92,12 +95,14 @@ class RemoteServo final : public ServoSide {
   class Proxy;
 
   void sendMesh(const ContactObject& mesh);
+  [[nodiscard]] std::int64_t endPatience_ns(const SafetyParameters& safety) const;
   void take(const wire::EndedT& ended, Descriptor attached);
   void listen();
   void passTicksOn();
 
   MessageChannel channel_;
   const int loop_patience_ms_;
+  const std::optional<int> end_patience_ms_;
   std::int64_t end_patience_ns_ = 0;  // from a request to stop: the force fades first
   std::unique_ptr<Proxy> device_;
   std::optional<PlacedScales> placed_;

@@ -40,33 +40,23 @@ double checked(const CeilingRow& row, const std::string& name, double value) {
   return value;
 }
 
+void tellGiven(const CeilingRow& row, double asked, double given, std::string_view what, const TellClipped& tell) {
+  if (!tell) return;
+  tell(fmt::format("the engine asks for a {} of {:.4g} {}, and gets {:.4g} {} ({})", what, asked, row.unit, given,
+                   row.unit, row.flag));
+}
+
 // `asked` as it may be; says where that is something else.
 double clipped(const CeilingRow& row, const ServoCeilings& ceilings, double asked, std::string_view what,
                const TellClipped& tell) {
   const std::optional<double>& bound = ceilings.*row.member;
   if (!bound) return asked;
   const double given = row.is_floor ? std::max(asked, *bound) : std::min(asked, *bound);
-  if (given != asked && tell) {
-    tell(fmt::format("the engine asks for a {} of {:.4g} {}, and gets {:.4g} {} ({})", what, asked, row.unit, given,
-                     row.unit, row.flag));
-  }
+  if (given != asked) tellGiven(row, asked, given, what, tell);
   return given;
 }
 
-// The scene's, or the least that the table of devices states for its kind; empty: nobody has said one.
-std::optional<double> currentOf(const Scene& scene) {
-  if (scene.current_limit_A) return scene.current_limit_A;
-  std::optional<double> least_A;
-  const auto look = [&](const DeviceValues& values) {
-    const auto value = values.find("current_limit_A");
-    if (value != values.end()) least_A = std::min(least_A.value_or(value->second), value->second);
-  };
-  if (const DeviceKind* const kind = deviceKindNamed(scene.device)) {
-    look(kind->values);
-    for (const UsbId& usb : kind->usb) look(usb.values);
-  }
-  return least_A;
-}
+constexpr const char* kCurrent = "current limit";
 
 const CeilingRow& rowOf(std::optional<double> ServoCeilings::*member) {
   return *std::ranges::find_if(kRows, [&](const CeilingRow& row) { return row.member == member; });
@@ -99,8 +89,15 @@ std::filesystem::path ceilingsFile() {
 }
 
 ServoCeilings ceilingsOfFile(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (file.empty() || !std::filesystem::exists(file, ignored)) return {};
+  if (file.empty()) return {};
+  std::error_code error;
+  static_cast<void>(std::filesystem::symlink_status(file, error));
+  if (error == std::errc::no_such_file_or_directory) return {};
+  if (error) {
+    throw Error(Error::Code::kIo, file.string(),
+                fmt::format("nobody can say whether the servo's ceilings are there ({})", error.message()),
+                "mend the folders that its name goes through, and the rights to search them");
+  }
   return readCeilings(wholeFile(file, "the servo's ceilings", kMostBytes), file.string());
 }
 
@@ -151,9 +148,10 @@ Scene within(const ServoCeilings& ceilings, Scene scene, const TellClipped& tell
                                      "slew limit at the handle", tell) /
                              scale;
   scene.fade_s = clipped(rowOf(&ServoCeilings::least_fade_s), ceilings, scene.fade_s, "fade time", tell);
-  if (const std::optional<double> asked_A = currentOf(scene)) {
-    const double given_A = clipped(rowOf(&ServoCeilings::current_A), ceilings, *asked_A, "current limit", tell);
-    if (given_A != *asked_A) scene.current_limit_A = given_A;
+  if (scene.current_limit_A) {
+    scene.current_limit_A = clipped(rowOf(&ServoCeilings::current_A), ceilings, *scene.current_limit_A, kCurrent, tell);
+  } else if (const DeviceKind* const kind = deviceKindNamed(scene.device)) {
+    scene.current_limit_A = currentWithin(ceilings, *kind, tell);
   }
   if (scene.device_calibrated && !ceilings.takes_calibrated) {
     scene.device_calibrated = false;
@@ -167,9 +165,32 @@ Scene within(const ServoCeilings& ceilings, Scene scene, const TellClipped& tell
   return scene;
 }
 
+std::optional<double> currentWithin(const ServoCeilings& ceilings, const DeviceKind& kind, const TellClipped& tell) {
+  const std::vector<double> boards_A = kind.eachValueOf("current_limit_A");
+  if (boards_A.empty() || !ceilings.current_A) return {};
+  const auto [least_A, most_A] = std::ranges::minmax(boards_A);
+  if (most_A <= *ceilings.current_A) return {};
+  const double given_A = std::min(least_A, *ceilings.current_A);
+  tellGiven(rowOf(&ServoCeilings::current_A), most_A, given_A, kCurrent, tell);
+  return given_A;
+}
+
 double forceWithin(const ServoCeilings& ceilings, const Scene& scene, double limit_N, const TellClipped& tell) {
   const double scale = isHeld(scene) ? scene.force_scale : 1;
   return clipped(rowOf(&ServoCeilings::force_N), ceilings, limit_N * scale, "force limit at the handle", tell) / scale;
+}
+
+double longestFade_s(double force_N, double fade_s, double slew_N_per_s) {
+  const double least_slew_N_per_s = std::min(slew_N_per_s, rowOf(&ServoCeilings::slew_N_per_s).lowest);
+  return std::max(fade_s, rowOf(&ServoCeilings::least_fade_s).highest) + force_N / least_slew_N_per_s;
+}
+
+double longestFade_s(const Scene& scene) {
+  const DeviceKind* const kind = deviceKindNamed(scene.device);
+  if (kind == nullptr) return longestFade_s(0, scene.fade_s, scene.slew_limit_N_per_s);
+  double force_N = 0;
+  for (const double limit_N : kind->eachValueOf("force_limit_N")) force_N = std::max(force_N, limit_N);
+  return longestFade_s(force_N, scene.fade_s, scene.slew_limit_N_per_s * scene.force_scale);
 }
 
 }  // namespace palpate

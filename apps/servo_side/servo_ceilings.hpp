@@ -15,6 +15,7 @@
 
 namespace palpate {
 
+struct DeviceKind;
 struct Scene;
 
 // Empty: the scene's own counts.
@@ -44,7 +45,9 @@ struct CeilingRow {
 
 // `$XDG_CONFIG_HOME/palpate/servo.toml`, or in ~/.config; empty: neither variable is set.
 [[nodiscard]] std::filesystem::path ceilingsFile();
-// Of a file that is there, else none. Throws Error: kBadInput as readCeilings() does, kIo if it cannot be read.
+// Of a file that is there, else none. A file of which nobody can say whether it is there may have ceilings, as one in a
+// folder that may not be searched, or a link that leads nowhere. Throws Error: kBadInput as readCeilings() does, kIo or
+// kNotFound if it cannot be read.
 [[nodiscard]] ServoCeilings ceilingsOfFile(const std::filesystem::path& file);
 // Of its text. Throws Error(kBadInput), with line: no TOML, an unknown key, a value that is no number or out of range.
 [[nodiscard]] ServoCeilings readCeilings(std::string_view text, const std::string& file);
@@ -57,8 +60,21 @@ using TellClipped = std::function<void(const std::string&)>;
 
 // The scene as it may be. Throws Error(kBadInput) for a device that nobody knows.
 [[nodiscard]] Scene within(const ServoCeilings& ceilings, Scene scene, const TellClipped& tell);
+// Of the current limit alone, for a device of this kind: what the scene must ask for, or empty where what the table of
+// devices states may stay. Which of the kind's boards is plugged in is not known yet, and what a scene asks for takes
+// the place of what the table states for each. So where the ceiling is below what one of them may have, none gets more
+// than the least of them bears, nor more than the ceiling [A].
+[[nodiscard]] std::optional<double> currentWithin(const ServoCeilings& ceilings, const DeviceKind& kind,
+                                                  const TellClipped& tell);
 // The same for a force limit that is set later [N, in the scene; the ceiling is one at the handle].
 [[nodiscard]] double forceWithin(const ServoCeilings& ceilings, const Scene& scene, double limit_N,
                                  const TellClipped& tell);
+
+// The longest that a servo may take to bring a force to zero [s], whatever its own ceilings are, which an engine does
+// not know. `force_N` is the largest at the handle; fade [s] and slew at the handle [N/s] are those that were asked
+// for. After a stall within a fade the rest goes at the slew, so the two times add up.
+[[nodiscard]] double longestFade_s(double force_N, double fade_s, double slew_N_per_s);
+// Of the scene's device, by the table of devices. A device that nobody holds has no hand to bring to rest.
+[[nodiscard]] double longestFade_s(const Scene& scene);
 
 }  // namespace palpate

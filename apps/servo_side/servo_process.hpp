@@ -19,7 +19,8 @@ class ServoProcess {
   // be started.
   ServoProcess();
   // Waits for its end, since it has a device to bring to rest: for kPatience_ms, then it is killed. Close the channel
-  // before. The longest fade that a scene may ask for takes 10 s.
+  // before. A fade may take longer than that by the servo's own ceilings; who runs a loop over there has waited for its
+  // end already (RemoteServo).
   ~ServoProcess();
   ServoProcess(const ServoProcess&) = delete;
   ServoProcess& operator=(const ServoProcess&) = delete;

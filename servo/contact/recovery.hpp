@@ -12,9 +12,9 @@
 //   the VHIP is continuous by itself (closest_in_planes.hpp), and no single normal says how the old planes would move
 //   it.
 // - A first contact is no switch: there is no displacement to keep.
-// - A contact may end while jumps are kept. Then the force that they hold is gone in that tick. So no more of the offset
-//   is felt, out of the surface or along it, than the largest jump and the depth: what is lost at an end is about what
-//   one switch would have made. A jump is forgotten as by a low-pass filter of N ticks.
+// - A contact may end while jumps are kept. Then the force that they hold is gone in that tick. So no more of the
+//   offset is felt, out of the surface or along it, than the largest jump and the depth: what is lost at an end is
+//   about what one switch would have made. A jump is forgotten as by a low-pass filter of N ticks.
 // - The offset never makes the depth negative. In a tick in which it would, as much of its normal part is left out as
 //   needed. The VHIP then lies beside the HIP, and the contact neither pushes nor pulls along the normal.
 //

@@ -23,9 +23,10 @@ class JointedArm {
   [[nodiscard]] virtual double mass_kg() const noexcept = 0;
   [[nodiscard]] virtual double damping_Ns_per_m() const noexcept = 0;
   // In place of write(): the motor alone pushes the handle with `force_N`, so that its joint's angle grows, or shrinks
-  // if it is below 0. No force if the device exerts none (Device::forceOff()). At most kMostTrial_N.
+  // if it is below 0. No force if the device exerts none (Device::forceOff()). At most kMostTrial_N, and less where the
+  // device may not give as much. Gives what it pushes with [N].
   static constexpr double kMostTrial_N = 0.6;
-  virtual void push(int motor, double force_N) noexcept = 0;
+  virtual double push(int motor, double force_N) noexcept = 0;
 };
 
 }  // namespace palpate

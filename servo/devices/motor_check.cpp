@@ -14,17 +14,14 @@ double halfSine(double time_s) noexcept {
 
 }  // namespace
 
-// The mean way of the handle over a push, of an arm that nobody holds.
-double MotorCheck::expected_m() const noexcept {
+void MotorCheck::Model::pass(double time_s, double mass_kg, double damping_Ns_per_m) noexcept {
   constexpr double kStep_s = 1e-3;
-  double way_m = 0, speed = 0, sum_m = 0;
-  int steps = 0;
-  for (double t = 0; t < kPush_s; t += kStep_s, ++steps) {
-    speed += kStep_s * (halfSine(t + kStep_s / 2) - arm_.damping_Ns_per_m() * speed) / arm_.mass_kg();
-    way_m += kStep_s * speed;
-    sum_m += way_m;
+  const int steps = std::max(1, static_cast<int>(std::ceil(time_s / kStep_s)));
+  const double step_s = time_s / steps;
+  for (int i = 0; i < steps; ++i) {
+    speed_m_per_s += step_s * (force_N - damping_Ns_per_m * speed_m_per_s) / mass_kg;
+    way_m += step_s * speed_m_per_s;
   }
-  return force_N_ * sum_m / steps;
 }
 
 bool MotorCheck::isRight() const noexcept {
@@ -40,6 +37,7 @@ bool MotorCheck::step(double time_s) noexcept {
     start_ = arm_.angles();
   }
   phase_ == Phase::kRest ? rest(time_s) : push(time_s);
+  last_s_ = time_s;
   return motor_ < 3;
 }
 
@@ -56,8 +54,9 @@ void MotorCheck::rest(double time_s) noexcept {
     begin_s_ = time_s;
     start_ = arm_.angles();
     levers_m_ = arm_.levers_m();
-    sum_.setZero();
-    samples_ = 0;
+    most_noise_m_ = std::max(most_noise_m_, noise_m_);
+    model_ = {};
+    sums_ = {};
   } else if (time_s - begin_s_ >= kPatience_s) {
     motor_ = 3;  // whoever does not hold it still for one motor does not for the next
   }
@@ -66,39 +65,58 @@ void MotorCheck::rest(double time_s) noexcept {
 void MotorCheck::push(double time_s) noexcept {
   const double passed_s = time_s - begin_s_;
   if (phase_ == Phase::kPush && passed_s < kPush_s) {
-    sum_ += arm_.angles() - start_;
-    ++samples_;
-    return arm_.push(motor_, sign_ * force_N_ * halfSine(passed_s));
+    model_.pass(time_s - last_s_, arm_.mass_kg(), arm_.damping_Ns_per_m());
+    sums_.way += arm_.angles() - start_;
+    sums_.expected_m += sign_ * model_.way_m;
+    ++sums_.samples;
+    return pushBy(sign_ * force_N_ * halfSine(passed_s));
   }
   phase_ = Phase::kBrake;
-  if (passed_s < 2 * kPush_s) return arm_.push(motor_, -sign_ * force_N_ * halfSine(passed_s - kPush_s));
+  if (passed_s < 2 * kPush_s) return pushBy(-sign_ * force_N_ * halfSine(passed_s - kPush_s));
   arm_.push(motor_, 0);
   phase_ = Phase::kBegin;
-  const Vec3 mean = sum_ / std::max(1, samples_);
-  if (sign_ > 0) {
-    answer_ = mean;
-    sign_ = -1;
-    return;
-  }
-  answer_ = (answer_ - mean) / 2;
-  sign_ = 1;
-  judge();
+  endPush();
+}
+
+void MotorCheck::pushBy(double force_N) noexcept {
+  model_.force_N = arm_.push(motor_, force_N);
+  constexpr double kRounding = 1e-9;
+  is_cut_ = is_cut_ || std::abs(model_.force_N) < (1 - kRounding) * std::abs(force_N);
+}
+
+// Of the two signs half the difference: what they have in common is the hand's drift.
+void MotorCheck::endPush() noexcept {
+  const double samples = std::max(1, sums_.samples);
+  answer_ += sign_ / 2 * sums_.way / samples;
+  expected_m_ += sums_.expected_m / samples / 2;
+  sign_ = -sign_;
+  if (sign_ > 0) judge();
+}
+
+void MotorCheck::beginForce(double force_N) noexcept {
+  force_N_ = force_N;
+  answer_.setZero();
+  expected_m_ = most_noise_m_ = 0;
+  tries_ = 0;
+  is_cut_ = false;
 }
 
 void MotorCheck::judge() noexcept {
   using Verdict = MotorFinding::Verdict;
   MotorFinding& finding = findings_[static_cast<std::size_t>(motor_)];
-  const Vec3 ways_m = answer_.cwiseProduct(levers_m_);
+  ++tries_;
+  const double less_noise = 1 / std::sqrt(tries_);
+  const Vec3 mean = answer_ / tries_;
+  const Vec3 ways_m = mean.cwiseProduct(levers_m_);
   ways_m.cwiseAbs().maxCoeff(&finding.joint);
-  const bool is_clear =
-      std::abs(answer_[finding.joint]) >= kClear_counts * std::abs(arm_.counts_rad()[finding.joint]) &&
-      std::abs(ways_m[finding.joint]) >= kClear * noise_m_;
-  finding.share = ways_m[finding.joint] / expected_m();
+  const bool is_clear = std::abs(mean[finding.joint]) >= std::max(kClear_counts * less_noise, kLeastClear_counts) *
+                                                             std::abs(arm_.counts_rad()[finding.joint]) &&
+                        std::abs(ways_m[finding.joint]) >= kClear * most_noise_m_ * less_noise;
+  const double expected_m = expected_m_ / tries_;
+  finding.share = expected_m > 0 ? ways_m[finding.joint] / expected_m : 0;
   const bool answers = is_clear && std::abs(finding.share) >= kWeakest;
-  if (!answers && force_N_ < kLast_N) {
-    force_N_ = std::min(2 * force_N_, kLast_N);
-    return;
-  }
+  if (!answers && is_cut_ && tries_ < kMostTries) return;
+  if (!answers && !is_cut_ && force_N_ < kLast_N) return beginForce(std::min(2 * force_N_, kLast_N));
   if (!is_clear)
     finding.verdict = Verdict::kDead;
   else if (finding.joint != motor_)
@@ -110,38 +128,7 @@ void MotorCheck::judge() noexcept {
   else
     finding.verdict = finding.share < 0 ? Verdict::kReversed : Verdict::kRight;
   ++motor_;
-  force_N_ = kFirst_N;
-}
-
-HandWay handWay(const Vec3& way_D) noexcept {
-  HandWay way{.length_m = way_D.norm()};
-  way_D.cwiseAbs().maxCoeff(&way.axis);
-  way.positive = way_D[way.axis] > 0;
-  return way;
-}
-
-bool isAsked(const HandWay& way, int axis) noexcept {
-  constexpr double kShortest = 0.6, kLongest = 1.6;  // of what was asked
-  return way.axis == axis && way.positive && way.length_m >= kShortest * kAsked_m &&
-         way.length_m <= kLongest * kAsked_m;
-}
-
-std::optional<Vec3> HandMove::look(const Vec3& position_D, double time_s) noexcept {
-  if (!((position_D - rest_D_).norm() <= kRest_m)) {
-    rest_D_ = position_D;
-    rests_s_ = time_s;
-  }
-  if (time_s - rests_s_ < kRest_s) return {};
-  if (!from_D_) from_D_ = position_D;
-  const Vec3 way_D = position_D - *from_D_;
-  if (way_D.norm() < kLeast_m) return {};
-  return way_D;
-}
-
-const char* wordOf(const HandWay& way) noexcept {
-  constexpr std::array<std::array<const char*, 2>, 3> kWords = {
-      {{"left", "right"}, {"down", "up"}, {"away from you", "towards you"}}};
-  return kWords[static_cast<std::size_t>(way.axis)][way.positive ? 1 : 0];
+  beginForce(kFirst_N);
 }
 
 }  // namespace palpate

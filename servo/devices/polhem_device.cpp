@@ -17,18 +17,10 @@
 namespace palpate {
 namespace {
 
-constexpr int kMostLeaps = 3;           // in a row: the device does count from elsewhere
-constexpr double kLongestLeap_m = 0.1;  // however long it said nothing: half a second is enough for a new start
-constexpr double kForgets_s = 0.5;      // of silence; the firmware takes 1 s to start
-constexpr double kJustBefore_s = 0.1;   // so long before it was pressed the button was seen free
-constexpr int kAskAgain = 100;          // reports after which a calibration that was not heard is told again
-// The handle rests while it stays within 1 mm for 0.1 s: a hand's tremor does, one that goes at 10 mm/s does not.
-constexpr double kRest_m = 1e-3, kRest_s = 0.1;
-constexpr double kPush_N = 0.05;              // a force that counts as pushing, then and for kRest_s after
-constexpr double kAtHome_m = 0.03;            // a hand puts the handle back to its home position better than that
+constexpr double kForgets_s = 0.5;            // of silence; the firmware takes 1 s to start
 constexpr double kTried_share = 0.5;          // of the workspace's radius, in which motors are tried
 constexpr double kMostAlike = 0.9;            // cosine of the angle between the ways of two motors, there
-constexpr double kTold_s = 2;                 // for so long a refusal is told
+constexpr double kLeastTrial_N = 0.05;        // with less no motor is tried: a hand that holds the handle hides it
 constexpr std::uint64_t kStreamingBytes = 8;  // a report of the public streaming firmware of WoodenHaptics
 constexpr int kFirstReport_ms = 1000;
 constexpr int kListen_ms = 20;
@@ -80,13 +72,23 @@ PolhemCounts homeOf(const PolhemParameters& p) {
   return home;
 }
 
-// Of an arm whose motors are checked nobody needs to know.
-std::vector<PolhemDevice::LookAlike> lookAlikes(const PolhemParameters& p, const PolhemUse& use) {
-  if (use.motors_checked) return {};
-  std::vector<PolhemDevice::LookAlike> all = {{ArmKinematics(p.joints, p.origin_m), p.home_counts}};
-  for (const PolhemParameters& other : use.look_alikes)
-    all.push_back({ArmKinematics(checked(other).joints, other.origin_m), other.home_counts});
-  return all;
+LookAlikes lookAlikes(const PolhemParameters& p, const PolhemUse& use) {
+  const auto armOf = [](const PolhemParameters& arm) {
+    return LookAlikes::Arm{ArmKinematics(arm.joints, arm.origin_m), arm.home_counts, arm.lowest_rad, arm.highest_rad};
+  };
+  std::vector<LookAlikes::Arm> all = {armOf(p)};
+  for (const PolhemParameters& other : use.look_alikes) all.push_back(armOf(checked(other)));
+  return LookAlikes(std::move(all));
+}
+
+// How far a radian of each joint moves the handle at most.
+Vec3 reachOf(const PolhemParameters& p) {
+  const double b_m = p.joints[1].length_m, c_m = p.joints[2].length_m;
+  return {b_m + c_m, b_m, c_m};
+}
+
+Vec3 homeAngles(const PolhemParameters& p) {
+  return ArmKinematics(p.joints, p.origin_m).angles({p.home_counts[0], p.home_counts[1], p.home_counts[2]});
 }
 
 LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::atomic<std::uint64_t>& garbage,
@@ -131,9 +133,9 @@ PolhemDevice::PolhemDevice(const PolhemParameters& parameters, const PolhemUse& 
       arm_(parameters.joints, parameters.origin_m),
       look_alikes_(lookAlikes(parameters, use)),
       link_(std::move(open), linkSettings(parameters, use, garbage_, garbage_bytes_)),
-      motion_(kHandMotion, arm_.resolution_m(arm_.anglesAt(Vec3::Zero()).value_or(Vec3::Zero()))),
-      heat_(parameters.continuous_current_A, parameters.heating_s),
-      calibrated_(use.calibrated) {
+      believed_(arm_, 1 / use.rate_hz),
+      calibration_(reachOf(parameters), homeAngles(parameters), use.calibrated),
+      heat_(parameters.continuous_current_A, parameters.heating_s) {
   link_.listen(kListen_ms);
   if (!use_.simulated_clock) link_.start();
   const std::int64_t end_ns = monotonicNow_ns() + std::llround(kFirstReport_ms * kNanosecondsPerMillisecond);
@@ -202,7 +204,7 @@ double PolhemDevice::forceLimit_N() const noexcept {
 }
 
 DeviceLimits PolhemDevice::limits() const noexcept {
-  const Vec3 middle = arm_.anglesAt(Vec3::Zero()).value_or(angles_);
+  const Vec3 middle = arm_.anglesAt(Vec3::Zero()).value_or(believed_.angles());
   return {.force_limit_N = forceLimit_N(),
           .motors_unchecked = !use_.motors_checked,
           .position_resolution_m = arm_.resolution_m(middle),
@@ -234,7 +236,7 @@ ForceOff PolhemDevice::forceOff() const noexcept {
   if (!isThere()) return ForceOff::kDisconnected;
   if (!(parameters_.force_limit_N > 0)) return ForceOff::kLimitZero;
   if (!(parameters_.current_limit_A > 0)) return ForceOff::kNoCurrentLimit;
-  return calibrated_.load(std::memory_order_relaxed) ? ForceOff::kNone : ForceOff::kUncalibrated;
+  return calibration_.isCalibrated() ? ForceOff::kNone : ForceOff::kUncalibrated;
 }
 
 std::vector<DeviceFigure> PolhemDevice::figures() const {
@@ -246,16 +248,16 @@ std::vector<DeviceFigure> PolhemDevice::figures() const {
           {"reports_superseded", value(f.superseded)},
           {"reports_garbled", value(valueOf(garbage_))},
           {"reports_implausible", value(valueOf(implausible_))},
-          {"poses_impossible", value(valueOf(impossible_))},
+          {"poses_impossible", value(calibration_.impossiblePoses())},
           {"writes_refused", value(f.refused)},
           {"commands_too_old", value(f.rests)},
           {"disconnects", value(f.disconnects)},
           {"reconnects", value(f.reconnects)},
-          {"calibrations", value(valueOf(calibrations_))},
-          {wordsOf(kCalibrationRefusals[0]).figure, value(valueOf(refusals_[0]))},
-          {wordsOf(kCalibrationRefusals[1]).figure, value(valueOf(refusals_[1]))},
-          {wordsOf(kCalibrationRefusals[2]).figure, value(valueOf(refusals_[2]))},
-          {"calibrated", calibrated_.load(std::memory_order_relaxed) ? 1.0 : 0.0},
+          {"calibrations", value(calibration_.calibrations())},
+          {wordsOf(kCalibrationRefusals[0]).figure, value(calibration_.refusals(0))},
+          {wordsOf(kCalibrationRefusals[1]).figure, value(calibration_.refusals(1))},
+          {wordsOf(kCalibrationRefusals[2]).figure, value(calibration_.refusals(2))},
+          {"calibrated", calibration_.isCalibrated() ? 1.0 : 0.0},
           {"report_period_us", report_period_s_ * 1e6},
           {"write_p50_us", f.write_p50_us},
           {"write_p99_us", f.write_p99_us},
@@ -282,21 +284,6 @@ bool PolhemDevice::isHome(const PolhemCounts& raw) const noexcept {
   return true;
 }
 
-void PolhemDevice::countFrom(const PolhemCounts& raw) noexcept {
-  for (std::size_t k = 0; k < 3; ++k) counts_[k] = raw[k];
-  raw_ = raw;
-  leaps_ = 0;
-  motion_.begin();
-}
-
-// Counts have 16 bits: an encoder that turns on beyond them begins anew at the other end.
-void PolhemDevice::countOn(const PolhemCounts& raw) noexcept {
-  for (std::size_t k = 0; k < 3; ++k)
-    counts_[k] += static_cast<std::int16_t>(static_cast<std::uint16_t>(raw[k]) - static_cast<std::uint16_t>(raw_[k]));
-  raw_ = raw;
-  leaps_ = 0;
-}
-
 // Since the last report that counted, by the simulated clock: there each tick should have its report.
 double PolhemDevice::silence_s() const noexcept {
   return silent_ticks_ / use_.rate_hz;
@@ -304,7 +291,7 @@ double PolhemDevice::silence_s() const noexcept {
 
 // Since the last report that counted told where the handle was. A thread that reads late knows since when that may have
 // been.
-PolhemDevice::Interval PolhemDevice::intervalTo(const Received& received) const noexcept {
+BelievedCounts::Interval PolhemDevice::intervalTo(const Received& received) const noexcept {
   const double tick_s = 1 / use_.rate_hz;
   if (use_.simulated_clock) return {std::max(tick_s, silence_s()), 0, std::max(0.0, silence_s() - tick_s)};
   const auto seconds = [](std::int64_t time_ns) { return static_cast<double>(time_ns) / kNanosecondsPerSecond; };
@@ -312,30 +299,9 @@ PolhemDevice::Interval PolhemDevice::intervalTo(const Received& received) const 
           seconds(received.silent_ns - silent_ns_)};
 }
 
-// While the device was silent it may have been anywhere, and so may its counts: that time counts for little.
-double PolhemDevice::longestWay_m(const Interval& since) const noexcept {
-  const double spoken_s = std::max(1 / use_.rate_hz, since.time_s - since.silent_s);
-  return std::min(motion_.longestWay_m(since.time_s, since.waited_s),
-                  motion_.longestWay_m(spoken_s, since.waited_s) + (since.silent_s > 0 ? kLongestLeap_m : 0));
-}
-
 // When the last report that counted came.
 double PolhemDevice::reportTime_s() const noexcept {
   return use_.simulated_clock ? time_s() : static_cast<double>(received_ns_) / kNanosecondsPerSecond;
-}
-
-// A pose that no such arm has, several times in a row: it is another arm, or was calibrated elsewhere.
-void PolhemDevice::noteImpossible() noexcept {
-  if (isPossible() || !calibrated_.load(std::memory_order_relaxed)) {
-    impossible_poses_ = 0;
-    return;
-  }
-  countOne(impossible_);
-  if (++impossible_poses_ >= kMostLeaps) calibrated_.store(false, std::memory_order_relaxed);
-}
-
-bool PolhemDevice::rests() const noexcept {
-  return reportTime_s() - rests_since_s_ >= kRest_s;
 }
 
 double PolhemDevice::time_s() const noexcept {
@@ -343,60 +309,26 @@ double PolhemDevice::time_s() const noexcept {
   return static_cast<double>(monotonicNow_ns()) / kNanosecondsPerSecond;
 }
 
-// How far the handle is between two poses at most: each joint moves it by its angle times the longest arm that it can
-// have. Lengths of arms that are not calibrated are known too, their angles are not.
-double PolhemDevice::way_m(const Vec3& from, const Vec3& to) const noexcept {
-  const double b_m = parameters_.joints[1].length_m, c_m = parameters_.joints[2].length_m;
-  return (to - from).cwiseAbs().dot(Vec3(b_m + c_m, b_m, c_m));
-}
-
-void PolhemDevice::noteRest() noexcept {
-  if (way_m(rest_, angles_) <= kRest_m) return;
-  rest_ = angles_;
-  rests_since_s_ = reportTime_s();
-}
-
-bool PolhemDevice::isFree() const noexcept {
-  return !(time_s() - pushed_s_ < kRest_s);
+CalibrationRefusal PolhemDevice::refusedCalibration() const noexcept {
+  return calibration_.refusal(reportTime_s());
 }
 
 CalibrationRefusal PolhemDevice::whyNotCalibrate() const noexcept {
-  if (!isFree()) return CalibrationRefusal::kContact;
-  if (!rests()) return CalibrationRefusal::kMoving;
-  const Vec3 home = arm_.angles({parameters_.home_counts[0], parameters_.home_counts[1], parameters_.home_counts[2]});
-  const bool is_away = calibrated_.load(std::memory_order_relaxed) && way_m(home, angles_) > kAtHome_m;
-  return is_away ? CalibrationRefusal::kAway : CalibrationRefusal::kNone;
+  return calibration_.whyNot(time_s());
 }
 
-CalibrationRefusal PolhemDevice::refusedCalibration() const noexcept {
-  return reportTime_s() - refused_s_ < kTold_s ? refused_ : CalibrationRefusal::kNone;
+CalibrationRefusal PolhemDevice::calibrate() noexcept {
+  const CalibrationRefusal why = calibration_.ask(time_s());
+  if (why == CalibrationRefusal::kNone) tell(HomeCalibration::Order::kCountFromHome);
+  return why;
 }
 
-// One that was pressed while nobody looked takes the calibration away: somebody thought that it was wrong.
-void PolhemDevice::press() noexcept {
-  if (!is_pressed_now_) return tell(Pending::kForgetting);
-  refused_ = calibrate();
-  is_refused_ = refused_ != CalibrationRefusal::kNone;
-  if (is_refused_) refused_s_ = reportTime_s();
-}
-
-// The firmware holds what the button asked until it is told to count from somewhere, which it then does from where the
-// handle is at that moment.
-void PolhemDevice::heedButton(const PolhemState& state, bool just_before) noexcept {
-  const bool is_pressed =
-      button_.read(state.asks_for_calibration, std::llround(reportTime_s() * kNanosecondsPerSecond));
-  if (!state.asks_for_calibration) {
-    is_refused_ = false;
-    unheard_reports_ = 0;
-    return;
-  }
-  if (button_.hasJustChanged()) is_pressed_now_ = just_before;
-  if (is_pressed) return press();
-  const bool waits = pending_ != Pending::kNothing && ++unheard_reports_ < kAskAgain;
-  if (waits) return;
-  if (is_refused_ && isFree() && rests()) return tell(Pending::kCountingOn);
-  if (pending_ == Pending::kForgetting) return tell(pending_);
-  if (pending_ == Pending::kCalibrating && whyNotCalibrate() == CalibrationRefusal::kNone) tell(pending_);
+// The firmware then counts from there, where the handle is at that moment.
+void PolhemDevice::tell(HomeCalibration::Order order) noexcept {
+  if (order == HomeCalibration::Order::kNone) return;
+  const bool counts_on = order == HomeCalibration::Order::kCountOn;
+  link_.askOnce(polhemReport({.count_from = counts_on ? believed_.raw() : homeOf(parameters_)},
+                             static_cast<std::size_t>(parameters_.report_bytes)));
 }
 
 void PolhemDevice::take(const Received& received) noexcept {
@@ -404,37 +336,27 @@ void PolhemDevice::take(const Received& received) noexcept {
   seen_ = received.number;
   const auto state = parsePolhem(received.report.content(), static_cast<std::size_t>(parameters_.report_bytes));
   if (!state) return;  // before the first one: the link passes on what is a report
-  requests_ = received.requests;
   const std::uint64_t connection = connection_.load(std::memory_order_relaxed);
   const bool has_forgotten = use_.simulated_clock && connection > 0 && silence_s() >= kForgets_s;
   const bool is_new = connection != received.connection || has_forgotten;
-  if (is_new) {
-    if (received.connection > 1 || has_forgotten) calibrated_.store(false, std::memory_order_relaxed);  // it was away
-    pending_ = Pending::kNothing;
-    button_ = {};
-    is_refused_ = false;
-  }
+  if (is_new) calibration_.beginAnew(received.connection > 1 || has_forgotten);
   // One that came of its own accord may be of any age: the next one begins anew.
   const bool begins = is_new || was_unasked_;
   was_unasked_ = received.unasked;
   const double since_s =
       use_.simulated_clock ? silence_s() : static_cast<double>(received.time_ns - received_ns_) / kNanosecondsPerSecond;
-  const bool is_heard = received.requests >= request_ && !state->asks_for_calibration;
-  if (pending_ == Pending::kCountingOn && is_heard) pending_ = Pending::kNothing;
-  const bool counts_home = pending_ == Pending::kForgetting || pending_ == Pending::kCalibrating;
-  bool is_elsewhere = begins;  // it counts from elsewhere than before: nobody knows whether the handle rests
-  if (counts_home && !state->asks_for_calibration && isHome(state->counts)) {
-    if (!is_heard) return;  // it may have been said before
-    is_elsewhere = true;
-    if (std::exchange(pending_, Pending::kNothing) == Pending::kCalibrating) {
-      calibrated_.store(true, std::memory_order_relaxed);
-      countOne(calibrations_);
-    }
-    countFrom(state->counts);
-  } else if (begins) {
-    countFrom(state->counts);
-  } else if (!follows(state->counts, intervalTo(received))) {
-    return;
+  const HomeCalibration::Answer answer =
+      calibration_.answer(received.requests, state->asks_for_calibration, isHome(state->counts));
+  if (answer == HomeCalibration::Answer::kTooEarly) return;
+  bool is_elsewhere = begins || answer == HomeCalibration::Answer::kFromHome;
+  if (is_elsewhere) {
+    believed_.countFrom(state->counts);
+  } else {
+    const BelievedCounts::Verdict verdict = believed_.look(state->counts, intervalTo(received));
+    if (verdict != BelievedCounts::Verdict::kMotion) countOne(implausible_);
+    if (verdict == BelievedCounts::Verdict::kLeap) return;
+    is_elsewhere = verdict == BelievedCounts::Verdict::kElsewhere;
+    if (is_elsewhere) calibration_.forget();
   }
   connection_.store(received.connection, std::memory_order_relaxed);
   received_ns_ = received.time_ns;
@@ -442,45 +364,19 @@ void PolhemDevice::take(const Received& received) noexcept {
   silent_ns_ = received.silent_ns;
   silent_ticks_ = 0;
   pressed_ = state->pressed;
-  angles_ = arm_.angles(counts_);
-  position_A_ = arm_.position(angles_);
-  noteImpossible();
-  if (is_elsewhere) rest_.setConstant(std::numeric_limits<double>::infinity());
-  noteRest();
-  heedButton(*state, !begins && since_s <= kJustBefore_s);
-}
-
-// Counts on to `raw`, or from there if several in a row leapt. False: it leapt, and nothing is changed. After a leap,
-// what lies nearer to it than to where the handle was leaps, too, however much time has passed meanwhile.
-bool PolhemDevice::follows(const PolhemCounts& raw, const Interval& since) noexcept {
-  const ArmCounts before = counts_;
-  const PolhemCounts raw_before = raw_;
-  const int leaps = leaps_;
-  countOn(raw);
-  const Vec3 at_A = arm_.position(arm_.angles(counts_));
-  const double way_m = (at_A - position_A_).norm();
-  if (way_m <= longestWay_m(since) && (leaps == 0 || way_m < (at_A - leapt_to_A_).norm())) {
-    motion_.believe(way_m, since.time_s, since.waited_s);
-    return true;
-  }
-  countOne(implausible_);
-  if (leaps + 1 < kMostLeaps) {
-    counts_ = before;
-    raw_ = raw_before;
-    leaps_ = leaps + 1;
-    leapt_to_A_ = at_A;
-    return false;
-  }
-  calibrated_.store(false, std::memory_order_relaxed);
-  countFrom(raw);
-  rest_.setConstant(std::numeric_limits<double>::infinity());
-  return true;
+  tell(calibration_.look({.time_s = reportTime_s(),
+                          .angles = believed_.angles(),
+                          .asks = state->asks_for_calibration,
+                          .just_before = !begins && since_s <= HomeCalibration::kJustBefore_s,
+                          .is_elsewhere = is_elsewhere,
+                          .is_possible = look_alikes_.isPossible(believed_.counts())},
+                         time_s()));
 }
 
 bool PolhemDevice::read(Vec3& position_D) noexcept {
   if (!use_.simulated_clock) take(link_.newest());
   if (!isThere()) return false;
-  position_D = fromArm(position_A_);
+  position_D = fromArm(believed_.position_A());
   return true;
 }
 
@@ -489,21 +385,24 @@ std::int64_t PolhemDevice::reportAge_ns() const noexcept {
   return static_cast<std::int64_t>(silent_ticks_ * kNanosecondsPerSecond / use_.rate_hz);
 }
 
-// `share`: what of the force is left within the current limit. All currents are cut alike, so that the force keeps its
-// direction.
+// What of currents that are a force at the handle may flow: within the current limit, what the motors bear, and a limit
+// of the force. All currents are cut alike, so that the force keeps its direction.
+double PolhemDevice::share(const Vec3& currents_A, double force_N, double limit_N) const noexcept {
+  const double largest_A = currents_A.cwiseAbs().maxCoeff();
+  double share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
+  share = std::min(share, heat_.share(currents_A));
+  if (force_N * share > limit_N) share = limit_N / force_N;
+  return share;
+}
+
 Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcept {
   share = 0;
   if (forceOff() != ForceOff::kNone || !force_D.allFinite()) return Vec3::Zero();
-  const Vec3 currents_A = arm_.currents(toArm(force_D), angles_);
-  const double largest_A = currents_A.cwiseAbs().maxCoeff();
-  share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
-  share = std::min(share, heat_.share(currents_A));
-  const double size_N = force_D.stableNorm();
-  const double limit_N = forceLimit_N();
-  if (size_N * share > limit_N) share = limit_N / size_N;
+  const Vec3 currents_A = arm_.currents(toArm(force_D), believed_.angles());
+  share = this->share(currents_A, force_D.stableNorm(), forceLimit_N());
   if (use_.motors_checked) return share * currents_A;
-  const double doubtful_N = this->doubtful_N(share * currents_A);
-  if (doubtful_N > kUncheckedForce_N) share *= kUncheckedForce_N / doubtful_N;
+  const double most_N = look_alikes_.most_N(share * currents_A, believed_.counts());
+  if (most_N > kUncheckedForce_N) share *= kUncheckedForce_N / most_N;
   return share * currents_A;
 }
 
@@ -513,64 +412,57 @@ double PolhemDevice::sinceWrite_s() noexcept {
   return before_ns == 0 ? 0 : static_cast<double>(now_ns - before_ns) / kNanosecondsPerSecond;
 }
 
-// The most that these currents are at the handle, in whatever order and direction they flow through the motors of
-// whichever arm it may be: each arm knows its pose from the same counts, and has been calibrated in its own home.
-// Without bound where one of them is stretched out.
-double PolhemDevice::doubtful_N(const Vec3& currents_A) const noexcept {
-  const auto sorted = [](const Vec3& v) {
-    Vec3 sizes = v.cwiseAbs();
-    std::sort(sizes.begin(), sizes.end());
-    return sizes;
-  };
-  const Vec3 sizes_A = sorted(currents_A);
-  double most_N = 0;
-  for (const LookAlike& other : look_alikes_) {
-    ArmCounts counts = counts_;
-    for (std::size_t k = 0; k < 3; ++k) counts[k] += other.home_counts[k] - parameters_.home_counts[k];
-    const Eigen::Matrix3d pushes = other.arm.pushes(other.arm.angles(counts));
-    if (!pushes.allFinite()) return sizes_A.isZero(0) ? 0 : std::numeric_limits<double>::infinity();
-    const Vec3 each_N_per_A = pushes.colwise().norm().transpose().cwiseProduct(other.arm.bodyTorques());
-    most_N = std::max(most_N, sizes_A.dot(sorted(each_N_per_A)));
-  }
-  return most_N;
-}
-
 Vec3 PolhemDevice::counts_rad() const noexcept {
   return {arm_.radPerCount(0), arm_.radPerCount(1), arm_.radPerCount(2)};
 }
 
-// Where the ways of two motors are nearly the same, one cannot be told from the other.
+// Where the ways of two motors are nearly the same, one cannot be told from the other. Where an arm that it may be is
+// nearly stretched out, a push could not be strong enough for anybody to see it.
 bool PolhemDevice::canBeTried() const noexcept {
-  const Eigen::Matrix3d pushes = arm_.pushes(angles_);
-  if (!pushes.allFinite() || position_A_.norm() > kTried_share * parameters_.workspace_radius_m) return false;
+  const Eigen::Matrix3d pushes = arm_.pushes(believed_.angles());
+  if (!pushes.allFinite() || believed_.position_A().norm() > kTried_share * parameters_.workspace_radius_m)
+    return false;
   const Eigen::Matrix3d ways = pushes.colwise().normalized();
-  return (ways.transpose() * ways - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kMostAlike;
+  if (!((ways.transpose() * ways - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kMostAlike)) return false;
+  return trialLimit_N(0) >= kLeastTrial_N && trialLimit_N(1) >= kLeastTrial_N && trialLimit_N(2) >= kLeastTrial_N;
 }
 
 Vec3 PolhemDevice::levers_m() const noexcept {
-  return arm_.pushes(angles_).colwise().norm().transpose().cwiseInverse();
+  return arm_.pushes(believed_.angles()).colwise().norm().transpose().cwiseInverse();
 }
 
 void PolhemDevice::passHeat() noexcept {
   heat_.pass(std::exchange(flowing_A_, Vec3(Vec3::Zero())), sinceWrite_s());
 }
 
-void PolhemDevice::push(int motor, double force_N) noexcept {
-  passHeat();
-  if (forceOff() != ForceOff::kNone || !link_.connected() || !std::isfinite(force_N)) return post(Vec3::Zero(), 0);
-  const double within_N = std::clamp(force_N, -kMostTrial_N, kMostTrial_N);
-  Vec3 currents_A = Vec3::Zero();
-  currents_A[motor] = std::clamp(within_N * levers_m()[motor] / arm_.bodyTorques()[motor], -parameters_.current_limit_A,
-                                 parameters_.current_limit_A);
-  post(currents_A, std::abs(within_N));
+// The current of a motor alone for a force at the handle of this kind of arm [A/N].
+double PolhemDevice::trialCurrent_A_per_N(int motor) const noexcept {
+  return levers_m()[motor] / arm_.bodyTorques()[motor];
 }
 
-bool PolhemDevice::isPossible() const noexcept {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double angle = angles_[static_cast<int>(k)];
-    if (!(angle >= parameters_.lowest_rad[k] && angle <= parameters_.highest_rad[k])) return false;
+// The most that a motor may push, at the handle of this kind of arm. A check finds out what the arm is, so before it
+// nobody knows: also where it was checked before. Arms whose joints cannot be there are left out. With them hardly
+// anything would be left in the middle of the workspace, where others would be nearly stretched out.
+double PolhemDevice::trialLimit_N(int motor) const noexcept {
+  const double limit_N = std::min({kMostTrial_N, parameters_.force_limit_N, kUncheckedForce_N});
+  const Vec3 currents_A = limit_N * trialCurrent_A_per_N(motor) * Vec3::Unit(motor);
+  const double share = this->share(currents_A, limit_N, limit_N);
+  const double most_N = look_alikes_.mostOfPossible_N(share * currents_A, believed_.counts());
+  return limit_N * (most_N > kUncheckedForce_N ? share * kUncheckedForce_N / most_N : share);
+}
+
+// None where so little is left: an arm that it may be is nearly stretched out, where its force grows within a report.
+double PolhemDevice::push(int motor, double force_N) noexcept {
+  passHeat();
+  double pushed_N = 0;
+  if (forceOff() == ForceOff::kNone && link_.connected() && std::isfinite(force_N)) {
+    const double limit_N = trialLimit_N(motor);
+    if (limit_N >= kLeastTrial_N) pushed_N = std::clamp(force_N, -limit_N, limit_N);
   }
-  return true;
+  const Vec3 currents_A =
+      pushed_N == 0 ? Vec3::Zero() : Vec3(pushed_N * trialCurrent_A_per_N(motor) * Vec3::Unit(motor));
+  post(currents_A, std::abs(pushed_N));
+  return pushed_N;
 }
 
 // A device that is not there exerts no force, so it takes any as none, and a contact begins from none when it is back.
@@ -586,7 +478,7 @@ bool PolhemDevice::write(const Vec3& force_D) noexcept {
 
 void PolhemDevice::post(const Vec3& currents_A, double force_N) noexcept {
   flowing_A_ = currents_A;
-  if (force_N > kPush_N) pushed_s_ = time_s();
+  calibration_.push(force_N, time_s());
   PolhemCommand command;
   constexpr double kMost = std::numeric_limits<std::int16_t>::max();
   for (int k = 0; k < 3; ++k) {
@@ -600,25 +492,6 @@ Vec3 PolhemDevice::held(const Vec3& force_D) const noexcept {
   double share = 0;
   static_cast<void>(currentsFor(force_D, share));
   return share * force_D;
-}
-
-CalibrationRefusal PolhemDevice::calibrate() noexcept {
-  const CalibrationRefusal why = whyNotCalibrate();
-  for (std::size_t i = 0; i < kCalibrationRefusals.size(); ++i) {
-    if (why == kCalibrationRefusals[i]) countOne(refusals_[i]);
-  }
-  if (why == CalibrationRefusal::kNone) tell(Pending::kCalibrating);
-  return why;
-}
-
-void PolhemDevice::tell(Pending what) noexcept {
-  pending_ = what;
-  request_ = requests_ + 1;
-  unheard_reports_ = 0;
-  const bool counts_on = what == Pending::kCountingOn;
-  if (!counts_on) calibrated_.store(false, std::memory_order_relaxed);
-  link_.askOnce(polhemReport({.count_from = counts_on ? raw_ : homeOf(parameters_)},
-                             static_cast<std::size_t>(parameters_.report_bytes)));
 }
 
 }  // namespace palpate

@@ -247,23 +247,13 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   if (readDevice(due.elapsed_ticks, gap_ns, report_age_ns)) {
     if (changes_ != nullptr && change_ == nullptr && link == nullptr) beginChange(window);
     tickAlgorithm({hip_W_, velocity_.value(), &window}, out);
-    last_ = out;
-    if ((out.faults & (bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost))) != 0) {
-      way_known_ = false;
-    } else if ((out.faults & (bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNoWindow))) == 0) {
-      way_known_ = true;
-    }
+    remember(out);
   } else {
     faults |= bit(ServoFault::kDeviceError);
     out.vhip_W = hip_W_;
     out.stored_J = std::numeric_limits<double>::quiet_NaN();
   }
-  if (const ForceOff off = device_.forceOff(); off != ForceOff::kNone && off != ForceOff::kInputOnly) {
-    faults |= bit(ServoFault::kForceOff);
-    if (off != ForceOff::kClutched) gate_.beginAnew();
-  }
-  if (gate_.isStall(gap_ns)) device_.beginAnew();
-  if (device_.refusedCalibration() != CalibrationRefusal::kNone) faults |= bit(ServoFault::kCalibrationRefused);
+  faults |= askDevice(gap_ns);
   Vec3 pushed_W = out.force_W;
   double stored_J = out.stored_J;
   if (const DeviceBoundary edge = device_.boundary(); edge.stored_J > 0) {
@@ -314,6 +304,29 @@ const SampleWindow& ServoLoop::runTick(const Due& due, std::int64_t now_ns, Tick
   record.damped = !damping_W.isZero(0) && (gated.faults & kFadingFaults) == 0;
   guard_.add(record);
   return window;
+}
+
+// What an algorithm that takes over must know.
+void ServoLoop::remember(const TickOutput& out) noexcept {
+  last_ = out;
+  if ((out.faults & (bit(ServoFault::kInsideObject) | bit(ServoFault::kSurfaceLost))) != 0) {
+    way_known_ = false;
+  } else if ((out.faults & (bit(ServoFault::kBeyondWindow) | bit(ServoFault::kNoWindow))) == 0) {
+    way_known_ = true;
+  }
+}
+
+// What the device says besides where it is: whether its force is off, and whether it refused a calibration. After a
+// force that was off, and after a stall, everything begins anew.
+std::uint32_t ServoLoop::askDevice(std::int64_t gap_ns) noexcept {
+  std::uint32_t faults = 0;
+  if (const ForceOff off = device_.forceOff(); off != ForceOff::kNone && off != ForceOff::kInputOnly) {
+    faults |= bit(ServoFault::kForceOff);
+    if (off != ForceOff::kClutched) gate_.beginAnew();
+  }
+  if (gate_.isStall(gap_ns)) device_.beginAnew();
+  if (device_.refusedCalibration() != CalibrationRefusal::kNone) faults |= bit(ServoFault::kCalibrationRefused);
+  return faults;
 }
 
 // A new algorithm goes on where the last one was: from in front of the surface of a contact, else from where the tool

@@ -145,6 +145,8 @@ class ServoLoop {
   void beginChange(const SampleWindow& window) noexcept;
   [[nodiscard]] ServoLink* lookForLink() noexcept;
   void goOver(ServoLink& link) noexcept;
+  void remember(const TickOutput& out) noexcept;
+  [[nodiscard]] std::uint32_t askDevice(std::int64_t gap_ns) noexcept;
   void takeOver(Algorithm& next, const SampleWindow& window) const noexcept;
   void tickAlgorithm(const TickInput& in, TickOutput& out) noexcept;
   void goOn(const TickInput& in, TickOutput& out) noexcept;

@@ -1,6 +1,6 @@
-# Run with -DSOURCE=<repository> -DFOLDER=<where to build> -DCOMPILER=<C++ compiler> -DREADELF=<readelf>. Builds the servo as a
-# project of its own, each file by itself, and runs its example, from a folder that holds servo/, base/ and cmake/ alone. It
-# checks that CMake found no package but Eigen, that every header that was read is Palpate's, Eigen's, the compiler's or the C
+# Run with -DSOURCE=<repository> -DFOLDER=<where to build> -DCOMPILER=<C++ compiler> -DEIGEN=<Eigen's folder>
+# -DREADELF=<readelf>. Builds the servo as a project of its own, each file by itself, and runs its example, from a folder that
+# holds servo/, base/ and cmake/ alone. It checks that CMake found no package but Eigen, that every header that was read is Palpate's, Eigen's, the compiler's or the C
 # library's, and that the example is linked to the libraries of C and C++ alone.
 cmake_minimum_required(VERSION 3.25)
 
@@ -17,10 +17,9 @@ file(COPY ${SOURCE}/servo ${SOURCE}/base ${SOURCE}/cmake DESTINATION ${FOLDER}/s
 set(build ${FOLDER}/build)
 # Each file by itself and without precompiled headers of ours, as in a stranger's project: so a header that a file forgot to
 # include is missed here, where files joined by rooms find it through each other. Eigen alone is read once for all files: it
-# is two thirds of the work, and every file includes it. Not optimised: this is about what the servo needs.
+# is two thirds of the work, and nearly every file includes it. Not optimised: this is about what the servo needs.
 set(eigen ${FOLDER}/eigen.hpp)
 file(WRITE ${eigen} "#include <Eigen/Geometry>\n#include <Eigen/LU>\n")
-find_path(EIGEN Eigen/Geometry PATH_SUFFIXES eigen3 REQUIRED)
 set(flags -O0 -fPIC)
 run(words ${COMPILER} -std=c++20 ${flags} -isystem ${EIGEN} -x c++-header ${eigen} -o ${eigen}.gch)
 list(JOIN flags " " flags)

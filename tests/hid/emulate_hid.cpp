@@ -3,7 +3,8 @@
 //
 // The devices' /sys is umockdev's, their nodes are packet sockets (hidraw_shim.cpp), and behind these are an emulated
 // Polhem, whose hand goes along a path, or other things. Time is the reports': each one that the program writes moves
-// the Polhem by one tick. Its own exit status is the program's. It prints nothing; --log writes what the devices took.
+// the Polhem by one tick. Its own exit status is the program's. It prints nothing; --log writes what the devices took,
+// --forces each force that the first one took.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -54,7 +55,8 @@ struct Options {
   int press_to = -1;
   double faults = 0;  // share of answers that are lost, garbled, short, double or late
   unsigned seed = 1;
-  std::string log;  // file for the devices' own account
+  std::string log;     // file for the devices' own account
+  std::string forces;  // file for the first device's forces, report by report
   std::vector<std::string> program;
 };
 
@@ -119,6 +121,8 @@ Options parsed(int count, char** words) {
       o.seed = static_cast<unsigned>(std::stoul(value()));
     } else if (word == "--log") {
       o.log = value();
+    } else if (word == "--forces") {
+      o.forces = value();
     } else {
       throw std::runtime_error(word + ": " + kUsage);
     }
@@ -309,6 +313,16 @@ class Emulated {
     return longest_s;
   }
 
+  // The force that acted with each report.
+  [[nodiscard]] std::string forcesCsv() const {
+    std::string csv = "time_us,x_N,y_N,z_N\n";
+    for (std::size_t i = 0; i < std::min(times_us_.size(), arm_->forces_D().size()); ++i) {
+      const Vec3& force = arm_->forces_D()[i];
+      csv += fmt::format("{},{},{},{}\n", times_us_[i], force.x(), force.y(), force.z());
+    }
+    return csv;
+  }
+
   // What the arm did, and what it goes on to do when nobody writes any more.
   [[nodiscard]] std::string account() {
     double largest_N = 0, slew_N = 0, later_N = 0;
@@ -392,6 +406,7 @@ class Machine {
         gone_ms = 0;
       }
     }
+    if (!options_.forces.empty()) std::ofstream(options_.forces) << devices_.front()->forcesCsv();
     if (!options_.log.empty()) {
       std::ofstream log(options_.log);
       for (const auto& device : devices_) log << device->account();

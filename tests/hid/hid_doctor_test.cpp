@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate doctor` and `palpate calibrate` on emulated devices: each reason for no force is named, and what helps.
+#include <sstream>
+
 #include <sys/stat.h>
 
 #include "emulated_program.hpp"
@@ -303,6 +305,32 @@ TEST_F(HidDoctor, NamesMotorsThatAreNotRight) {
   EXPECT_FALSE(std::filesystem::exists(file("state/palpate/motors")));
   EXPECT_THAT(on({}, {"calibrate", "--device", "polhem-v1", "--calibrated"}).err, HasSubstr("--check"));
   EXPECT_EQ(on({"--devices", "spacemouse"}, {"calibrate", "--check", "--device", "spacemouse"}).status, 0);
+}
+
+// A check keeps to the limits of its kind: pushes of up to 0.25 N would be needed to see motor a of this arm at once,
+// in this hand. A kind that may not push at all cannot be checked.
+TEST_F(HidDoctor, ChecksMotorsWithinTheLimitsOfTheirKind) {
+  motors_checked_ = false;
+  constexpr double kLimit_N = 0.12, kRounding_N = 0.02;
+  const auto kind = [](const char* name, double limit_N) {
+    return fmt::format(
+        "[[device]]\nname = \"{}\"\nfamily = \"polhem-family\"\nwhat = \"weak\"\nusb = [{{ id = \"1234:0006\", "
+        "report_bytes = 14 }}]\nvalues = {{ force_limit_N = {} }}\n",
+        name, limit_N);
+  };
+  std::filesystem::create_directories(file("palpate/devices"));
+  write("palpate/devices/a.toml", kind("weak", kLimit_N) + kind("none", 0));
+  const auto check = [](const char* name) { return Words{"calibrate", "--check", "--device", name, "--calibrated"}; };
+  const Outcome weak = on({"--paced", "--motors", "0,1,2:-1,-1,-1", "--log", "arm"}, check("weak"));
+  expectRefusal(weak, "device weak",
+                "motor a turns the wrong way, motor b turns the wrong way, motor c turns the wrong way", 6);
+  std::istringstream account(contentsOf(file("arm")));
+  double largest_N = 0;
+  for (std::string word; account >> word;)
+    if (word == "force_max_N") account >> largest_N;
+  EXPECT_LE(largest_N, kLimit_N + kRounding_N);
+  EXPECT_GE(largest_N, kLimit_N - kRounding_N);
+  expectRefusal(on({"--paced"}, check("none")), "--check", "the motors of none may not push: the force limit is 0", 2);
 }
 
 // As another kind it would count from another home.

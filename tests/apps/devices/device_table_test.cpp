@@ -33,6 +33,15 @@ usb = ["1234:0006", { id = "16C0:0486", report_bytes = 64 }]
 force_limit_N = 3
 )";
 
+// Of each board what it states itself, else what its kind states, else what the family's devices usually have.
+TEST(DeviceTable, KnowsWhatEachBoardMayHave) {
+  const DeviceKind kind = readDeviceKinds(kOne, "mine.toml").at(0);
+  EXPECT_THAT(kind.eachValueOf("report_bytes"), ElementsAre(14, 64));
+  EXPECT_THAT(kind.eachValueOf("force_limit_N"), ElementsAre(3, 3));
+  EXPECT_THAT(kind.eachValueOf("current_limit_A"), ElementsAre(0, 0));
+  EXPECT_THAT(kind.eachValueOf("interval_s"), ElementsAre()) << "of another family";
+}
+
 // The ranges of the joints of the program's own arms hold their workspaces and their homes, with 25 degrees to spare.
 TEST(DeviceTable, GivesArmsRoomForTheirWorkspaces) {
   int arms = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motors of emulated arms with leads and plugs swapped at random, dead motors, and arms that are named as another kind:
-// the check finds each, and without it no force is more than 1 N at the handle.
+// Motors of emulated arms with leads and plugs swapped at random, dead motors and encoders, and arms that are named as
+// another kind: the check finds each, and without it no force is more than 1 N at the handle, its own pushes included.
 #include "servo/devices/motor_check.hpp"
 
 #include <algorithm>
@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/devices/device_table.hpp"
+#include "servo/devices/hand_way.hpp"
 #include "servo/devices/polhem_device.hpp"
 #include "servo/devices/typical_hands.hpp"
 #include "tests/servo/support/emulated_polhem.hpp"
@@ -33,6 +34,14 @@ PolhemParameters armOf(const DeviceKind& kind) {
   p.report_bytes = 14;
   p.current_limit_A = 3;
   return p;
+}
+
+// The other kinds that an arm may be.
+std::vector<PolhemParameters> lookAlikesOf(const DeviceKind& named) {
+  std::vector<PolhemParameters> others;
+  for (const DeviceKind& kind : arms())
+    if (kind.name != named.name) others.push_back(armOf(kind));
+  return others;
 }
 
 // An arm at the other end of its cable, named as another kind, or as itself.
@@ -81,18 +90,46 @@ HandParameters handOf(const PolhemParameters& p, Seeded& numbers) {
 SampledPath restingAt(const Vec3& at) {
   return {{0}, {at}, SampledPath::Interpolation::kLinear};
 }
-Vec3 nearTheMiddle(Seeded& numbers, const PolhemParameters& p) {
-  // Where the ways of b and c are far from parallel.
-  const ArmKinematics arm(p.joints, p.origin_m);
+bool canBeTried(const DeviceKind& kind, const Vec3& at_D) {
+  const PolhemParameters p = armOf(kind);
+  const SampledPath path = restingAt(at_D);
+  Bench bench(p, p, {}, path, {}, false, lookAlikesOf(kind));
+  bench.tick();
+  return bench.device.arm()->canBeTried();
+}
+// Where the motors of an arm can be tried, and within the 3 mm around that a push may move it.
+Vec3 nearTheMiddle(Seeded& numbers, const DeviceKind& kind) {
   while (true) {
     const Vec3 at_D = numbers.between(0, 0.04) * numbers.direction();
-    const auto angles = arm.anglesAt(Vec3(at_D.z(), at_D.x(), at_D.y()));
-    if (angles && std::abs(std::cos((*angles)[1] + (*angles)[2])) < 0.75) return at_D;
+    bool can = canBeTried(kind, at_D);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double aside_m : {-3e-3, 3e-3}) can = can && canBeTried(kind, at_D + aside_m * Vec3::Unit(axis));
+    }
+    if (can) return at_D;
   }
 }
 
 int cases() {
   return isLongRun() ? 3000 : 60;
+}
+
+ArmWiring anyWiring(Seeded& numbers) {
+  ArmWiring wiring;
+  for (int k = 2; k > 0; --k)
+    std::swap(wiring.motor[static_cast<std::size_t>(k)], wiring.motor[static_cast<std::size_t>(numbers.pick(k + 1))]);
+  for (int& sign : wiring.sign) sign = numbers.pick(2) == 0 ? 1 : -1;
+  return wiring;
+}
+
+double largestForce_N(const EmulatedPolhem& arm) {
+  double most_N = 0;
+  for (const Vec3& force : arm.forces_D()) most_N = std::max(most_N, force.norm());
+  return most_N;
+}
+
+// What half a milliampere of each motor is at the handle.
+double rounding_N(const ArmKinematics& arm, const Vec3& angles) {
+  return 5e-4 * arm.pushes(angles).colwise().norm().dot(arm.bodyTorques().cwiseAbs());
 }
 
 // As it should be: whatever arm, hand and place.
@@ -102,17 +139,17 @@ TEST(MotorCheck, PassesArmsThatAreRight) {
     const PolhemParameters p = armOf(kind);
     for (int i = 0; i < cases() / 5; ++i) {
       SCOPED_TRACE(kind.name);
-      const SampledPath path = restingAt(nearTheMiddle(numbers, p));
-      Bench bench(p, p, {}, path, handOf(p, numbers));
+      const SampledPath path = restingAt(nearTheMiddle(numbers, kind));
+      // As the only kind with its numbers it is pushed harder.
+      const auto others = numbers.pick(3) > 0 ? lookAlikesOf(kind) : std::vector<PolhemParameters>{};
+      Bench bench(p, p, {}, path, handOf(p, numbers), false, others);
       const MotorCheck check = bench.check();
       EXPECT_TRUE(check.isRight());
       for (std::size_t k = 0; k < 3; ++k) {
         const MotorFinding& finding = check.findings()[k];
         EXPECT_EQ(finding.verdict, Verdict::kRight) << k << ": joint " << finding.joint << " " << finding.share;
       }
-      double most_N = 0;
-      for (const Vec3& force : bench.emulated.forces_D()) most_N = std::max(most_N, force.norm());
-      EXPECT_LE(most_N, JointedArm::kMostTrial_N + 0.05);
+      EXPECT_LE(largestForce_N(bench.emulated), JointedArm::kMostTrial_N + 0.05);
     }
   }
 }
@@ -125,15 +162,12 @@ TEST(MotorCheck, FindsSwappedAndDeadMotors) {
   for (int i = 0; i < cases(); ++i) {
     const DeviceKind& kind = kinds[static_cast<std::size_t>(numbers.pick(static_cast<int>(kinds.size())))];
     const PolhemParameters p = armOf(kind);
-    ArmWiring wiring;
-    for (int k = 2; k > 0; --k)
-      std::swap(wiring.motor[static_cast<std::size_t>(k)], wiring.motor[static_cast<std::size_t>(numbers.pick(k + 1))]);
-    for (int& sign : wiring.sign) sign = numbers.pick(2) == 0 ? 1 : -1;
+    ArmWiring wiring = anyWiring(numbers);
     const int dead = numbers.pick(8);
     if (dead < 3) wiring.sign[static_cast<std::size_t>(dead)] = 0;
     SCOPED_TRACE(kind.name + testing::PrintToString(wiring.motor) + testing::PrintToString(wiring.sign));
-    const SampledPath path = restingAt(nearTheMiddle(numbers, p));
-    Bench bench(p, p, wiring, path, handOf(p, numbers));
+    const SampledPath path = restingAt(nearTheMiddle(numbers, kind));
+    Bench bench(p, p, wiring, path, handOf(p, numbers), false, lookAlikesOf(kind));
     const MotorCheck check = bench.check();
     for (std::size_t k = 0; k < 3; ++k) {
       const MotorFinding& finding = check.findings()[k];
@@ -175,11 +209,9 @@ TEST(MotorCheck, FindsArmsThatAreNamedAsAnother) {
       const PolhemParameters p = armOf(kind);
       const HandParameters hand = handOf(p, numbers);
       const SampledPath still = restingAt(Vec3::Zero());
-      Bench bench(p, armOf(named), {}, still, hand);
+      Bench bench(p, armOf(named), {}, still, hand, false, lookAlikesOf(named));
       bool is_found = !bench.check().isRight();
-      double most_N = 0;
-      for (const Vec3& force : bench.emulated.forces_D()) most_N = std::max(most_N, force.norm());
-      EXPECT_LE(most_N, kUncheckedForce_N);
+      EXPECT_LE(largestForce_N(bench.emulated), kUncheckedForce_N);
       for (int axis = 0; axis < 3; ++axis) {
         const SampledPath path({0, 0.5, 1}, {Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(kAsked_m * Vec3::Unit(axis))},
                                SampledPath::Interpolation::kLinear);
@@ -192,6 +224,51 @@ TEST(MotorCheck, FindsArmsThatAreNamedAsAnother) {
       EXPECT_EQ(is_found, kind.name != named.name);
     }
   }
+}
+
+// An arm in any pose that its joints allow and in which the one that it is said to be could be tried, with plugs and
+// leads swapped. With encoder a dead no pulse of motor a is answered, and the force grows as far as it may.
+TEST(MotorCheck, PushesNoHarderThanANewtonAsWhicheverArm) {
+  Seeded numbers(5);
+  const std::vector<DeviceKind> kinds = arms();
+  int tried = 0, misnamed = 0;
+  double most_N = 0;
+  while (tried < (isLongRun() ? 2000 : 80)) {
+    const auto any = [&] { return static_cast<std::size_t>(numbers.pick(static_cast<int>(kinds.size()))); };
+    const std::size_t is = any(), says = any();
+    const PolhemParameters p = armOf(kinds[is]), named = armOf(kinds[says]);
+    ArmWiring wiring = anyWiring(numbers);
+    const bool is_dead = numbers.pick(3) > 0;
+    if (is_dead) wiring.encoder[0] = -1;
+    const ArmKinematics arm(p.joints, p.origin_m), said(named.joints, named.origin_m);
+    const auto said_at = said.anglesAt(numbers.between(0, 0.05) * numbers.direction());
+    if (!said_at) continue;
+    ArmCounts counts = said.countsAt(*said_at);
+    for (std::size_t k = 0; k < 3; ++k) counts[k] += p.home_counts[k] - named.home_counts[k];
+    Vec3 angles = arm.angles(counts);
+    if (is_dead) angles[0] = numbers.between(p.lowest_rad[0], p.highest_rad[0]);
+    bool is_possible = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double angle = angles[static_cast<int>(k)];
+      is_possible = is_possible && angle >= p.lowest_rad[k] && angle <= p.highest_rad[k];
+    }
+    const Vec3 at_A = arm.position(angles);
+    const auto back = arm.anglesAt(at_A);  // the emulated arm has its elbow turned away from the user
+    if (!is_possible || !back || (*back - angles).norm() > 1e-6) continue;
+    const SampledPath path = restingAt(Vec3(at_A.y(), at_A.z(), at_A.x()));
+    Bench bench(p, named, wiring, path, handOf(p, numbers), false, lookAlikesOf(kinds[says]));
+    bench.tick();
+    if (!bench.device.arm()->canBeTried()) continue;
+    SCOPED_TRACE(kinds[is].name + " named " + kinds[says].name);
+    ++tried;
+    misnamed += is != says ? 1 : 0;
+    static_cast<void>(bench.check());
+    const double largest_N = largestForce_N(bench.emulated);
+    ASSERT_LE(largest_N, kUncheckedForce_N + 1.1 * rounding_N(arm, angles) + 1e-3);
+    most_N = std::max(most_N, largest_N);
+  }
+  EXPECT_GT(misnamed, tried / 4);
+  EXPECT_GT(most_N, 0.8);  // they are no more careful than they must be
 }
 
 // Whatever arm it is, however its motors are plugged, and wherever the servo wants to push: 1 N at most until the
@@ -207,10 +284,7 @@ TEST(MotorCheck, HoldsForcesBelowANewtonUntilThen) {
     std::vector<PolhemParameters> others;
     for (std::size_t k = 0; k < kinds.size(); ++k)
       if (k != says) others.push_back(armOf(kinds[k]));
-    ArmWiring wiring;
-    for (int k = 2; k > 0; --k)
-      std::swap(wiring.motor[static_cast<std::size_t>(k)], wiring.motor[static_cast<std::size_t>(numbers.pick(k + 1))]);
-    for (int& sign : wiring.sign) sign = numbers.pick(2) == 0 ? 1 : -1;
+    const ArmWiring wiring = anyWiring(numbers);
     SCOPED_TRACE(kinds[is].name + " named " + kinds[says].name);
     const ArmKinematics arm(p.joints, p.origin_m);
     Vec3 at_D = numbers.between(0, 0.1) * numbers.direction();
@@ -225,11 +299,8 @@ TEST(MotorCheck, HoldsForcesBelowANewtonUntilThen) {
       bench.tick();
       EXPECT_LE(bench.device.held(force_D).norm(), kUncheckedForce_N * (1 + 1e-12));
       const Vec3 now_N = bench.emulated.force_D();
-      const double rounding_N = 5e-4 * arm.pushes(*arm.anglesAt(Vec3(at_D.z(), at_D.x(), at_D.y())))
-                                           .colwise()
-                                           .norm()
-                                           .dot(arm.bodyTorques().cwiseAbs());
-      ASSERT_LE(now_N.norm(), kUncheckedForce_N + 1.1 * rounding_N + 1e-3);
+      const double rounded_N = rounding_N(arm, *arm.anglesAt(Vec3(at_D.z(), at_D.x(), at_D.y())));
+      ASSERT_LE(now_N.norm(), kUncheckedForce_N + 1.1 * rounded_N + 1e-3);
       most_N = std::max(most_N, now_N.norm());
     }
   }

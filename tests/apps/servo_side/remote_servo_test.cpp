@@ -3,11 +3,13 @@
 #include "apps/servo_side/remote_servo.hpp"
 
 #include <chrono>
+#include <optional>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "apps/servo_side/attachments.hpp"
 #include "apps/servo_side/wire_settings.hpp"
 #include "service/messages/message.hpp"
 #include "tests/servo/support/still_device.hpp"
@@ -48,8 +50,10 @@ struct Running : testing::Test {
   Silent silent;
   const Scene scene;
   const RigSettings settings;
-  RemoteServo servo{silent.takeChannel(), {.scene = scene, .box = {}, .window_samples = 64}};
-  Running() {
+  RemoteServo servo;
+  explicit Running(std::optional<int> end_patience_ms = 500)
+      : servo(silent.takeChannel(),
+              {.scene = scene, .box = {}, .window_samples = 64, .end_patience_ms = end_patience_ms}) {
     servo.makeLoop(LoopParameters{}, settings, {}, makeAlgorithm(settings, {}));
     servo.start();
   }
@@ -87,6 +91,26 @@ TEST_F(Running, OneThatTalksOnIsNotWaitedForWithoutAnEnd) {
   EXPECT_TRUE(servo.running());
   servo.requestStop();
   EXPECT_THAT(refusalOf([&] { static_cast<void>(servo.wait()); }, Error::Code::kDevice), HasSubstr("does not end"));
+}
+
+// A servo's own file may let the force fade for longer than the scene says (`least_fade_s`): it is told to stop, and
+// ends 6 s later, where the scene's fade takes 0.1 s.
+struct RunningForLong : Running {
+  RunningForLong() : Running(std::nullopt) {}
+};
+TEST_F(RunningForLong, OneThatFadesForLongIsWaitedFor) {
+  const auto begin = std::chrono::steady_clock::now();
+  servo.requestStop();
+  std::jthread fades([&] {
+    std::this_thread::sleep_for(std::chrono::seconds(6));
+    wire::EndedT ended;
+    ended.released = true;
+    const SealedMemory none = recordsMemory({});
+    static_cast<void>(silent.theirs().send(encoded(std::move(ended)), 0, none.descriptor()));
+  });
+  const LoopResult result = servo.wait();
+  EXPECT_TRUE(result.released);
+  EXPECT_GT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(5900));
 }
 
 TEST_F(Running, AMessageOfAnotherKindEndsIt) {

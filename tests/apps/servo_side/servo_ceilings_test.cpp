@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/servo_side/servo_ceilings.hpp"
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -8,10 +10,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include "apps/devices/device_table.hpp"
 #include "apps/scene/scene.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "apps/servo_side/servo_host.hpp"
+#include "tests/apps/report/temporary_folder.hpp"
 #include "tests/servo/support/seeded.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -103,6 +108,47 @@ TEST(ServoCeilings, NoSceneExceedsThem) {
   }
 }
 
+// A kind with boards whose amplifiers bear so much each; 0: its table does not say.
+DeviceKind boards(const std::vector<double>& currents_A) {
+  DeviceKind kind = *deviceKindNamed("polhem-v1");
+  kind.usb.clear();
+  for (const double current_A : currents_A) {
+    UsbId board{.vendor = 1, .product = static_cast<std::uint16_t>(kind.usb.size()), .values = {}};
+    if (current_A > 0) board.values["current_limit_A"] = current_A;
+    kind.usb.push_back(std::move(board));
+  }
+  return kind;
+}
+
+// Which board is plugged in is known only later, and what is given is that of each: none may get more than the ceiling,
+// and none more than it bears.
+TEST(ServoCeilings, BoundTheCurrentOfEachBoard) {
+  Told told;
+  const ServoCeilings ceilings{.current_A = 4};
+  EXPECT_EQ(currentWithin(ceilings, boards({3, 6}), told.teller()), 3);
+  EXPECT_EQ(currentWithin(ceilings, boards({6, 5}), told.teller()), 4);
+  EXPECT_EQ(currentWithin(ceilings, boards({6, 0}), told.teller()), 0) << "nobody has said what the second one bears";
+  EXPECT_EQ(currentWithin(ceilings, boards({3, 4}), told.teller()), std::nullopt);
+  EXPECT_EQ(currentWithin(ceilings, boards({0, 0}), told.teller()), std::nullopt);
+  EXPECT_EQ(currentWithin({}, boards({3, 6}), told.teller()), std::nullopt);
+  EXPECT_EQ(currentWithin(ceilings, *deviceKindNamed("spacemouse"), told.teller()), std::nullopt);
+  EXPECT_THAT(told.words, ElementsAre("the engine asks for a current limit of 6 A, and gets 3 A (--max-current)",
+                                      "the engine asks for a current limit of 6 A, and gets 4 A (--max-current)",
+                                      "the engine asks for a current limit of 6 A, and gets 0 A (--max-current)"));
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    SCOPED_TRACE(seed);
+    Seeded random(seed);
+    std::vector<double> currents_A(static_cast<std::size_t>(1 + random.pick(4)));
+    for (double& current_A : currents_A) current_A = random.pick(5) == 0 ? 0 : random.between(0.1, 20);
+    const double ceiling_A = random.between(0.1, 20);
+    const std::optional<double> given_A = currentWithin({.current_A = ceiling_A}, boards(currents_A), {});
+    for (const double current_A : currents_A) {
+      EXPECT_LE(given_A.value_or(current_A), ceiling_A);
+      EXPECT_LE(given_A.value_or(current_A), current_A);
+    }
+  }
+}
+
 // Of a flag and the file: the tighter of the two.
 TEST(ServoCeilings, TheTighterCounts) {
   ServoCeilings flags;
@@ -141,6 +187,49 @@ TEST(ServoCeilings, AreThoseOfTheUsersFile) {
   const std::string file = testing::TempDir() + "servo_ceilings_test.toml";
   std::ofstream(file) << "max_slew_N_per_s = 900\n";
   EXPECT_EQ(ceilingsOfFile(file).slew_N_per_s, 900);
+}
+
+// Where nobody can say whether there are ceilings there may be some. As root every folder can be searched; a folder
+// that is a file, links in a ring and a link that leads nowhere are as much in the way.
+TEST(ServoCeilings, RefuseAFileOfWhichNothingCanBeSaid) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "file") << "max_force_N = 2\n";
+  fs::create_symlink("ring", folder.path() / "ring");
+  fs::create_symlink("nowhere.toml", folder.path() / "servo.toml");
+  fs::create_directory(folder.path() / "closed");
+  std::ofstream(folder.path() / "closed" / "servo.toml") << "max_force_N = 2\n";
+  fs::permissions(folder.path() / "closed", fs::perms::none);
+  const auto refusal = [&](const fs::path& file, Error::Code code) {
+    return refusalOf([&] { static_cast<void>(ceilingsOfFile(folder.path() / file)); }, code);
+  };
+  EXPECT_THAT(refusal("file/servo.toml", Error::Code::kIo), HasSubstr("Not a directory"));
+  EXPECT_THAT(refusal("ring/servo.toml", Error::Code::kIo), HasSubstr("Too many levels of symbolic links"));
+  EXPECT_THAT(refusal("servo.toml", Error::Code::kNotFound), HasSubstr("cannot be opened"));
+  if (geteuid() != 0) {
+    EXPECT_THAT(refusal("closed/servo.toml", Error::Code::kIo), HasSubstr("Permission denied"));
+  }
+  fs::permissions(folder.path() / "closed", fs::perms::owner_all);
+}
+
+// An engine waits for as long as any servo may need: by a file of the servo's own a force may fade for 10 s, and a
+// slew of 1 N/s takes 8 s for 8 N.
+TEST(ServoCeilings, BoundTheLongestFadeThatAnEngineWaitsFor) {
+  EXPECT_EQ(longestFade_s(8, 0.1, 4000), 10 + 8);
+  EXPECT_EQ(longestFade_s(8, 12, 0.5), 12 + 16);
+  Scene scene = held();  // an arm of 5 N
+  EXPECT_EQ(longestFade_s(scene), 10 + 5);
+  scene.slew_limit_N_per_s = 2;
+  scene.force_scale = 0.1;
+  EXPECT_EQ(longestFade_s(scene), 10 + 25);
+  EXPECT_EQ(longestFade_s(Scene{}), 10) << "nobody holds it";
+  for (const CeilingRow& row : ceilingRows()) {
+    ServoCeilings ceilings;
+    ceilings.*row.member = row.is_floor ? row.highest : row.lowest;
+    const Scene given = within(ceilings, held(), {});
+    const double fade_s = given.fade_s + std::min(given.force_limit_N, 5.0) / given.slew_limit_N_per_s;
+    EXPECT_LE(fade_s, longestFade_s(held())) << row.flag;
+  }
 }
 
 // A servo's side in a thread, and an engine that asks for 8 N when it makes the device and the loop, and for 50 N
