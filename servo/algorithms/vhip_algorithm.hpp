@@ -55,6 +55,7 @@ class VhipAlgorithm final : public Algorithm {
         stiffness_N_per_m_(parameters.stiffness_N_per_m),
         damping_Ns_per_m_(parameters.damping_Ns_per_m),
         effects_(std::move(effects)),
+        feels_surface_(std::ranges::any_of(effects_, [](const auto& effect) { return effect->feelsSurface(); })),
         felt_(parameters.isovalue, parameters.rate_hz),
         met_(parameters.isovalue, parameters.rate_hz),
         slack_voxels_(kCatchUp / parameters.rate_hz),
@@ -241,18 +242,20 @@ class VhipAlgorithm final : public Algorithm {
       out.stored_J = 0.5 * stiffness_N_per_m_ * depth_m * depth_m;
     } else {
       const bool on_volume = objects_.empty() || objects_.onVolume();
-      const ContactState contact{.hip_W = in.hip_W,
-                                 .hip_velocity_W = in.hip_velocity_W,
-                                 .plane = plane,
-                                 .new_contact = !touching_,
-                                 .single_plane = objects_.empty() || objects_.singlePlane(),
-                                 .on_volume = on_volume,
-                                 .felt = felt_.feel({.hip_W = in.hip_W,
-                                                     .plane = plane,
-                                                     .eased_m = edit_ != Edit::kSettled ? ease_.amount() : 0,
-                                                     .begins = !touching_,
-                                                     .on_volume = on_volume,
-                                                     .window = in.window})};
+      ContactState contact{.hip_W = in.hip_W,
+                           .hip_velocity_W = in.hip_velocity_W,
+                           .plane = plane,
+                           .new_contact = !touching_,
+                           .single_plane = objects_.empty() || objects_.singlePlane(),
+                           .on_volume = on_volume,
+                           .felt = {}};
+      if (feels_surface_)
+        contact.felt = felt_.feel({.hip_W = in.hip_W,
+                                   .plane = plane,
+                                   .eased_m = edit_ != Edit::kSettled ? ease_.amount() : 0,
+                                   .begins = !touching_,
+                                   .on_volume = on_volume,
+                                   .window = in.window});
       ContactPush moved{
           .vhip_W = out.vhip_W, .surface_d_W = out.vhip_W - in.hip_W, .energy_m2 = 0.5 * depth_m * depth_m};
       for (auto& effect : effects_) {
@@ -282,7 +285,8 @@ class VhipAlgorithm final : public Algorithm {
   double stiffness_N_per_m_;
   double damping_Ns_per_m_;
   ContactEffects effects_;
-  FeltSurface felt_;        // that the effects see; used only where there are any
+  bool feels_surface_;      // one of them does
+  FeltSurface felt_;        // that they see, used only then
   FeltSurface met_;         // that objects meet
   bool meets_ = false;      // one did in the last tick
   ContactPlane met_plane_;  // of the last tick in which one did

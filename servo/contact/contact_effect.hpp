@@ -31,7 +31,7 @@ struct ContactState {
   bool new_contact = false;            // first tick of a contact
   bool single_plane = true;            // one plane alone holds the tool
   bool on_volume = true;               // only the volume's isosurface holds it, no other object
-  FeltPoint felt;                      // all that effects know of the surface under the tool
+  FeltPoint felt;                      // all that effects know of the surface under the tool, if one asks
 };
 
 // The contact as the plane and the effects so far have made it.
@@ -46,6 +46,8 @@ struct ContactPush {
 class ContactEffect {
  public:
   virtual ~ContactEffect() = default;
+  // Whether it reads ContactState::felt. Where no effect does, nobody looks for it.
+  [[nodiscard]] virtual bool feelsSurface() const noexcept { return true; }
   // The contact has ended: forgets it.
   virtual void release() noexcept = 0;
   // Moves the VHIP from where the plane and earlier effects put it, and updates the stored energy.

@@ -51,7 +51,6 @@ void FeltSurface::begin(const Contact& contact) noexcept {
   S_ahead_W_.end();
   depth_m_ = contact.plane.depth(contact.hip_W);
   lever_ = slid_voxels_ = 0;
-  trust_ = 1;
   felt_.roughness = 0;
 }
 

@@ -37,6 +37,7 @@ class Friction final : public ContactEffect {
   // `stiffness_N_per_m`: K of the contact. All parameters finite and not negative (effects.hpp checks).
   Friction(const FrictionParameters& parameters, double stiffness_N_per_m, double rate_hz) noexcept;
 
+  [[nodiscard]] bool feelsSurface() const noexcept override { return false; }
   void release() noexcept override;
   void move(const ContactState& contact, ContactPush& push) noexcept override;
 

@@ -47,6 +47,7 @@ class Recovery final : public ContactEffect {
   // `ticks`: N >= 1.
   explicit Recovery(int ticks);
 
+  [[nodiscard]] bool feelsSurface() const noexcept override { return false; }
   void release() noexcept override;
   void move(const ContactState& contact, ContactPush& push) noexcept override;
 

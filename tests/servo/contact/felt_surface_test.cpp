@@ -202,7 +202,10 @@ TEST(FeltSurface, ALeapBeginsAnew) {
 // Nothing of an earlier run is kept: not its windows either, whose versions and storage may come again.
 TEST(FeltSurface, ReleasedItForgetsTheWindow) {
   Slide slide(0.25), fresh(0.25);
-  for (int tick = 0; tick < 40; ++tick) static_cast<void>(slide.at(tick));
+  for (int tick = 0; tick < 40; ++tick) {
+    slide.held.window.edit_version = tick / 10;  // what these edits turn is not all taken in yet
+    static_cast<void>(slide.at(tick));
+  }
   slide.surface.release();
   for (Slide* each : {&slide, &fresh}) each->held.window.lattice.origin_W.x() += 0.4 * kVoxel;
   for (int tick = 0; tick < 20; ++tick) {
