@@ -185,12 +185,11 @@ class VhipAlgorithm final : public Algorithm {
     const double sine = objects_.sharpest(found.normal_W);
     if (!(sine < 1)) {
       if (meets_) {
+        releaseMet();  // what is left of an earlier object is part of the plane that was shown
         met_normal_lead_W_.take(found.normal_W - met_plane_.normal_W);
         met_depth_lead_m_.take(found.depth(tool_W) - met_plane_.depth(tool_W));
         plane = met_plane_;
       }
-      met_.release();
-      meets_ = false;
       return plane;
     }
     const FeltPoint& felt = met_.feel({.hip_W = tool_W,
