@@ -12,10 +12,10 @@
 
 #include "apps/console/interrupt.hpp"
 #include "apps/console/message.hpp"
+#include "apps/devices/hand_way.hpp"
 #include "base/error.hpp"
 #include "base/monotonic_clock.hpp"
 #include "base/units.hpp"
-#include "servo/devices/hand_way.hpp"
 #include "servo/devices/jointed_arm.hpp"
 #include "servo/devices/motor_check.hpp"
 

@@ -22,6 +22,7 @@
 #include "apps/serve/service_place.hpp"
 #include "apps/servo_side/servo_ceilings.hpp"
 #include "apps/servo_side/servo_process.hpp"
+#include "apps/supervise/hopeless_statuses.hpp"
 #include "apps/supervise/supervisor.hpp"
 #include "base/error.hpp"
 #include "scene_arguments.hpp"
@@ -33,10 +34,7 @@ namespace palpate {
 namespace {
 
 constexpr double kEnginesEnd_s = 600;  // it may have a large file to write
-constexpr double kServosEnd_s = 5;     // beyond the longest fade of its force
 constexpr const char* kSupervise = "--supervise";
-const int kBadInputStatus = exitStatus(Error::Code::kBadInput), kNotFoundStatus = exitStatus(Error::Code::kNotFound),
-          kIoStatus = exitStatus(Error::Code::kIo);
 
 std::filesystem::path thisProgram() {
   std::error_code unknown;
@@ -55,19 +53,19 @@ std::vector<std::string> ownCommand() {
 }
 
 // Engine and servo as children, which are started again when one dies. The engine's good end is that of both. A servo
-// that cannot read its ceilings would never be able to: it has said what is wrong with them.
+// that cannot read its ceilings is not started again: it could not read them then either.
 void superviseBoth(const Scene& scene) {
   std::vector<std::string> servo = {servoProgram().string(), "--connect", socketOf(scene)};
   if (scene.device_calibrated) servo.emplace_back("--calibrated");  // who says so starts both
   const SupervisionEnd end = supervise({{.name = "engine",
                                          .argv = ownCommand(),
                                          .essential = true,
-                                         .hopeless = {kBadInputStatus, kNotFoundStatus},
+                                         .hopeless = hopelessForEngine(),
                                          .patience_s = kEnginesEnd_s},
                                         {.name = "servo",
                                          .argv = std::move(servo),
                                          .essential = false,
-                                         .hopeless = {kBadInputStatus, kNotFoundStatus, kIoStatus},
+                                         .hopeless = hopelessForServo(),
                                          .patience_s = kServosEnd_s + longestFade_s(scene)}});
   if (end.killed > 0) {
     throw Error(Error::Code::kDevice, "palpate serve --supervise",

@@ -18,17 +18,47 @@ double roundingGain(const Device& device) {
   return device.limits().position_resolution_m > 0 ? 4 / M_PI : 1;
 }
 
-// The stiffest wall that the settings can make with this damping. Along the surface friction's spring has none.
-Wall stiffestWall(const RigSettings& settings, const Device& device, double damping_Ns_per_m) {
-  const double gain = roundingGain(device);
-  return {settings.parameters.stiffness_N_per_m * mostStiffening(settings.effects) * gain, damping_Ns_per_m * gain};
+// A direction in which the contact holds the tool: by how much of the settings' stiffness, and how damped.
+struct Way {
+  double factor = 1;
+  double damping_Ns_per_m = 0;
+};
+
+// Along the normal; along the surface too where effects hold the tool, without damping.
+std::vector<Way> ways(const RigSettings& settings) {
+  std::vector<Way> all = {{mostStiffening(settings.effects), settings.parameters.damping_Ns_per_m}};
+  const double aside = mostStiffeningAside(settings.effects);
+  if (aside > 0) all.push_back({aside, 0});
+  return all;
 }
 
-// The dampings with which the contact's spring acts.
-std::vector<double> dampings(const RigSettings& settings) {
-  std::vector<double> all = {settings.parameters.damping_Ns_per_m};
-  if (holdAside(settings.effects)) all.push_back(0);
-  return all;
+Wall wallOf(const RigSettings& settings, const Way& way, double gain = 1) {
+  return {settings.parameters.stiffness_N_per_m * way.factor * gain, way.damping_Ns_per_m * gain};
+}
+
+// What a hand and a device's bearings have at least of dry friction, where the device states less [N]. Measured: of
+// 12,000 random contacts those that swung on had jumps of 0.06 N and more (docs/stability.md).
+constexpr double kLeastFriction_N = 0.02;
+
+// Swings of a few steps of the encoders know no damping, since a velocity that is rounded comes in steps, too. So they
+// go on where the wall is unstable without its damping, unless dry friction quiets them. It does where a step makes the
+// force jump by at most twice as much [N] (Abbott and Okamura 2005, for walls without damping).
+double quietJump(const SampledLoop& loop) {
+  return 2 * std::max(loop.hand.device_friction_N, kLeastFriction_N);
+}
+
+// Whether such swings die.
+bool isQuiet(const SampledLoop& loop, const Wall& wall, double resolution_m) {
+  constexpr double kRounding = 1e-9;  // of quietStiffness()
+  return forceOfAStep(loop, wall, resolution_m) <= quietJump(loop) * (1 + kRounding) ||
+         isStable(loop, {wall.stiffness_N_per_m * (1 - kRounding), 0});
+}
+
+// The stiffness up to which they do.
+double quietStiffness(const SampledLoop& loop, double damping_Ns_per_m, double resolution_m) {
+  if (!(resolution_m > 0)) return std::numeric_limits<double>::infinity();
+  const double by_friction = (quietJump(loop) - forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m)) / resolution_m;
+  return std::max(by_friction, stiffnessBound(loop, 0));
 }
 
 SampledLoop sampledLoop(const LoopParameters& loop, const Device& device, const HandParameters& hand) {
@@ -38,21 +68,24 @@ SampledLoop sampledLoop(const LoopParameters& loop, const Device& device, const 
           .velocity_cutoff_hz = loop.velocity.name == VelocityParameters{}.name ? loop.velocity.cutoff_hz : 0};
 }
 
-// The hand, and the damping, with which the wall may be least stiff.
+// The hand, and the way, in which the contact may be least stiff.
 struct Worst {
   SampledLoop loop;
-  double damping_Ns_per_m = 0;
+  Way way;
   double settling_N_per_m = std::numeric_limits<double>::infinity();  // of the settings' stiffness
+  bool by_encoders = false;                                           // their steps bound it, not the linear loop
 };
 
 Worst worstOf(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   Worst worst;
+  const double resolution_m = device.limits().position_resolution_m, gain = roundingGain(device);
   for (const HandParameters& hand : device.hands()) {
-    for (const double damping : dampings(settings)) {
+    for (const Way& way : ways(settings)) {
       const SampledLoop sampled = sampledLoop(loop, device, hand);
-      const double settling = settlingStiffness(sampled, damping * roundingGain(device)) / roundingGain(device) /
-                              mostStiffening(settings.effects);
-      if (settling < worst.settling_N_per_m) worst = {sampled, damping, settling};
+      const double linear = settlingStiffness(sampled, way.damping_Ns_per_m * gain) / gain / way.factor;
+      const double quiet = quietStiffness(sampled, way.damping_Ns_per_m, resolution_m) / way.factor;
+      const double settling = std::min(linear, quiet);
+      if (settling < worst.settling_N_per_m) worst = {sampled, way, settling, quiet < linear};
     }
   }
   return worst;
@@ -65,10 +98,11 @@ double twoDigits(double value, double (*round)(double)) {
   return round(value / step) * step;
 }
 
-// Values with which the wall would settle. A device that sets the pace has its delay whatever the servo's rate.
+// Values with which the wall would settle. A device that sets the pace has its delay whatever the servo's rate, and
+// steps of encoders are bounded by stiffness and damping.
 std::string other(const Worst& worst, const Wall& wall, const DeviceLimits& device) {
   std::string words;
-  if (device.sets_pace) return words;
+  if (device.sets_pace || worst.by_encoders) return words;
   const double rate_hz = settlingRate(worst.loop, wall);
   if (std::isfinite(rate_hz)) words += fmt::format(", or a rate of {:g} Hz or more", twoDigits(rate_hz, std::ceil));
   SampledLoop earlier = worst.loop;
@@ -86,20 +120,30 @@ std::string conditionWords(const SampledLoop& loop) {
                               : fmt::format("at {:g} Hz", loop.rate_hz);
 }
 
-std::string stiffnessWarning(const RigSettings& settings, const Worst& worst, const Device& device) {
-  const Wall wall = stiffestWall(settings, device, worst.damping_Ns_per_m);
-  const double factor = mostStiffening(settings.effects);
-  const std::string effects =
-      factor > 1 ? fmt::format(", which the effects make up to {:.3g} times as stiff", factor) : std::string();
-  const std::string damping = worst.damping_Ns_per_m < settings.parameters.damping_Ns_per_m
-                                  ? std::string("along the surface, where friction holds it without damping,")
-                                  : fmt::format("with a damping of {:g} N s/m", worst.damping_Ns_per_m);
+// What the contact will do, and why.
+std::string reason(const RigSettings& settings, const Worst& worst, const Device& device) {
+  if (!isStable(worst.loop, wallOf(settings, worst.way, roundingGain(device)))) return "so the contact will shake";
+  if (!worst.by_encoders) return "so the contact may swing for long";
+  const double resolution_m = device.limits().position_resolution_m;
   return fmt::format(
-      "a stiffness of {:g} N/m{} is more than this device can render {}, so the contact {}: {} it settles up to {:g} "
-      "N/m; give at most that{}",
-      settings.parameters.stiffness_N_per_m, effects, conditionWords(worst.loop),
-      isStable(worst.loop, wall) ? "may swing for long" : "will shake", damping,
-      twoDigits(worst.settling_N_per_m, std::floor), other(worst, wall, device.limits()));
+      "so the contact may swing on, as a step of its encoders, {:.2g} um, makes the force jump by {:.2g} N and "
+      "friction quiets {:.2g} N",
+      1e6 * resolution_m, forceOfAStep(worst.loop, wallOf(settings, worst.way), resolution_m), quietJump(worst.loop));
+}
+
+std::string stiffnessWarning(const RigSettings& settings, const Worst& worst, const Device& device) {
+  const double factor = worst.way.factor;
+  const std::string effects =
+      factor == 1 ? std::string() : fmt::format(", which the effects make up to {:.3g} times as stiff", factor);
+  const std::string damping = worst.way.damping_Ns_per_m < settings.parameters.damping_Ns_per_m
+                                  ? std::string("along the surface, where effects hold it without damping,")
+                                  : fmt::format("with a damping of {:g} N s/m", worst.way.damping_Ns_per_m);
+  return fmt::format(
+      "a stiffness of {:g} N/m{} is more than this device can render {}, {}: {} it settles up to {:g} N/m; give at "
+      "most that{}",
+      settings.parameters.stiffness_N_per_m, effects, conditionWords(worst.loop), reason(settings, worst, device),
+      damping, twoDigits(worst.settling_N_per_m, std::floor),
+      other(worst, wallOf(settings, worst.way, roundingGain(device)), device.limits()));
 }
 
 // No wall settles with this damping.
@@ -109,14 +153,16 @@ std::string dampingWarning(const RigSettings& settings, const Worst& worst, cons
       "a damping of {:g} N s/m is more than this device can render {}, so the contact will shake at any stiffness; "
       "give at most {:g} N s/m{}",
       settings.parameters.damping_Ns_per_m, conditionWords(worst.loop), twoDigits(most, std::floor),
-      other(worst, stiffestWall(settings, device, worst.damping_Ns_per_m), device.limits()));
+      other(worst, wallOf(settings, worst.way, roundingGain(device)), device.limits()));
 }
 
-// In the linear loop, in one of the hands: whether it swings on, or for long.
+// In one of the hands: whether it swings on, or for long.
 bool shakes(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   return !std::ranges::all_of(device.hands(), [&](const HandParameters& hand) {
-    return std::ranges::all_of(dampings(settings), [&](double damping) {
-      return settlesSoon(sampledLoop(loop, device, hand), stiffestWall(settings, device, damping));
+    const SampledLoop sampled = sampledLoop(loop, device, hand);
+    return std::ranges::all_of(ways(settings), [&](const Way& way) {
+      return isQuiet(sampled, wallOf(settings, way), device.limits().position_resolution_m) &&
+             settlesSoon(sampled, wallOf(settings, way, roundingGain(device)));
     });
   });
 }

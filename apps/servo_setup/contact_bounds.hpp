@@ -5,9 +5,10 @@
 // The answer is that of the linear sampled loop (settlesSoon() in servo/stability/sampled_loop.hpp), for each hand that
 // the device reckons with (Device::hands()), with the largest stiffness that the settings and their effects can make. A
 // wall that is stable but does not settle soon counts as one that shakes. Encoders that round make it up to 4 / pi
-// stiffer. It knows no curved surface and no limits of the force. An adaptive velocity estimate counts as its shortest
-// window. Set-up code: tens of microseconds for mayShake(), some milliseconds for a bound or a warning, whatever the
-// device's delay.
+// stiffer. Swings of a few of their steps know no damping, and must die by dry friction (the device's, or 0.02 N) or
+// without. It knows no curved surface and no limits of the force. An adaptive velocity estimate counts as its
+// shortest window. Set-up code: tens of microseconds for mayShake(), some milliseconds for a bound or a warning,
+// whatever the device's delay.
 #pragma once
 
 #include <string>
@@ -28,9 +29,8 @@ namespace palpate {
 [[nodiscard]] double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The stiffness to begin with on a device that a person holds, where nobody asked for one [N/m]: what its maker states,
-// or else the settings'; in both cases no more than settles soon in every hand and than its encoders and its dry
-// friction make passive (servo/stability/passivity_bounds.hpp), in two digits. A device that no force moves gets the
-// settings'.
+// or else the settings'; in both cases no more than renderableStiffness(), and than its encoders and its dry friction
+// make passive (servo/stability/passivity_bounds.hpp), in two digits. A device that no force moves gets the settings'.
 [[nodiscard]] double usualStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The damping to begin with there [N s/m]: the settings', at most half of what is stable in every hand with the softest

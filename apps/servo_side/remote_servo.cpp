@@ -149,9 +149,7 @@ void RemoteServo::makeLoop(const LoopParameters& loop, const RigSettings& settin
 std::int64_t RemoteServo::endPatience_ns(const SafetyParameters& safety) const {
   constexpr std::int64_t kNanosecondsPerMs = 1'000'000;
   if (end_patience_ms_) return *end_patience_ms_ * kNanosecondsPerMs;
-  const double scale = placed_ ? placed_->force_scale : 1;
-  const double fade_s =
-      longestFade_s(device_->limits().force_limit_N * scale, safety.fade_s, safety.slew_limit_N_per_s * scale);
+  const double fade_s = longestFade_s(device_->limits(), placed_ ? placed_->force_scale : 1, safety);
   return MessageChannel::kPatience_ms * kNanosecondsPerMs + std::llround(fade_s * 1e9);
 }
 

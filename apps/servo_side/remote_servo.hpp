@@ -40,8 +40,8 @@ class RemoteServo final : public ServoSide {
     const wire::HelloT* hello = nullptr;  // the servo's first message, if it was read already
     int patience_ms = 120'000;            // while the servo makes a device
     int loop_patience_ms = 120'000;       // while it makes a loop, with a mesh's search tree
-    // From a request to stop. Empty: the longest fade that the servo's own ceilings may ask for (longestFade_s()), and
-    // MessageChannel::kPatience_ms.
+    // From a request to stop. Empty: the longest fade that the servo's own ceilings may ask for (longestFade_s(), a
+    // minute at most), and MessageChannel::kPatience_ms.
     std::optional<int> end_patience_ms = {};
   };
   // Makes the device over there. Throws Error: as makeSceneDevice() does; kDevice, kBadInput as MessageChannel does.
@@ -84,7 +84,7 @@ class RemoteServo final : public ServoSide {
   void aim(const PointerTarget& target) noexcept { aims_.aim(target); }
 
   // Ends a run, and lets the other process go; only memory() may be used afterwards. Waits for an end in good order,
-  // for some seconds at most.
+  // for as long as Request::end_patience_ms says.
   void leave() noexcept;
 
   // After a run.

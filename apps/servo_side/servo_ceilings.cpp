@@ -17,6 +17,8 @@
 #include "base/nearest_word.hpp"
 #include "base/user_folders.hpp"
 #include "base/whole_file.hpp"
+#include "servo/devices/device.hpp"
+#include "servo/safety/safety_gate.hpp"
 
 namespace palpate {
 namespace {
@@ -40,10 +42,17 @@ double checked(const CeilingRow& row, const std::string& name, double value) {
   return value;
 }
 
-void tellGiven(const CeilingRow& row, double asked, double given, std::string_view what, const TellClipped& tell) {
+// `what` the engine asked for, and `why` it does not get it.
+struct Clipping {
+  double asked, given;
+  std::string_view unit, what;
+  std::string why;
+};
+
+void tellClipping(const Clipping& clipping, const TellClipped& tell) {
   if (!tell) return;
-  tell(fmt::format("the engine asks for a {} of {:.4g} {}, and gets {:.4g} {} ({})", what, asked, row.unit, given,
-                   row.unit, row.flag));
+  tell(fmt::format("the engine asks for a {} of {:.4g} {}, and gets {:.4g} {} ({})", clipping.what, clipping.asked,
+                   clipping.unit, clipping.given, clipping.unit, clipping.why));
 }
 
 // `asked` as it may be; says where that is something else.
@@ -52,7 +61,9 @@ double clipped(const CeilingRow& row, const ServoCeilings& ceilings, double aske
   const std::optional<double>& bound = ceilings.*row.member;
   if (!bound) return asked;
   const double given = row.is_floor ? std::max(asked, *bound) : std::min(asked, *bound);
-  if (given != asked) tellGiven(row, asked, given, what, tell);
+  if (given != asked) {
+    tellClipping({.asked = asked, .given = given, .unit = row.unit, .what = what, .why = std::string(row.flag)}, tell);
+  }
   return given;
 }
 
@@ -60,6 +71,12 @@ constexpr const char* kCurrent = "current limit";
 
 const CeilingRow& rowOf(std::optional<double> ServoCeilings::*member) {
   return *std::ranges::find_if(kRows, [&](const CeilingRow& row) { return row.member == member; });
+}
+
+// What of a kind's boards decides, where the weakest bears less than the ceiling; 0: of one nobody has said it.
+std::string whyOfBoards(double least_A) {
+  if (least_A > 0) return fmt::format("the weakest board of this kind bears {:.4g} A", least_A);
+  return "the table of this kind does not say what each board bears; give --current-limit";
 }
 
 }  // namespace
@@ -170,8 +187,15 @@ std::optional<double> currentWithin(const ServoCeilings& ceilings, const DeviceK
   if (boards_A.empty() || !ceilings.current_A) return {};
   const auto [least_A, most_A] = std::ranges::minmax(boards_A);
   if (most_A <= *ceilings.current_A) return {};
-  const double given_A = std::min(least_A, *ceilings.current_A);
-  tellGiven(rowOf(&ServoCeilings::current_A), most_A, given_A, kCurrent, tell);
+  const CeilingRow& row = rowOf(&ServoCeilings::current_A);
+  const bool is_boards = least_A < *ceilings.current_A;
+  const double given_A = is_boards ? least_A : *ceilings.current_A;
+  tellClipping({.asked = most_A,
+                .given = given_A,
+                .unit = row.unit,
+                .what = kCurrent,
+                .why = is_boards ? whyOfBoards(least_A) : std::string(row.flag)},
+               tell);
   return given_A;
 }
 
@@ -182,7 +206,13 @@ double forceWithin(const ServoCeilings& ceilings, const Scene& scene, double lim
 
 double longestFade_s(double force_N, double fade_s, double slew_N_per_s) {
   const double least_slew_N_per_s = std::min(slew_N_per_s, rowOf(&ServoCeilings::slew_N_per_s).lowest);
-  return std::max(fade_s, rowOf(&ServoCeilings::least_fade_s).highest) + force_N / least_slew_N_per_s;
+  const double longest_s = std::max(fade_s, rowOf(&ServoCeilings::least_fade_s).highest) + force_N / least_slew_N_per_s;
+  return std::min(longest_s, kMostFade_s);
+}
+
+double longestFade_s(const DeviceLimits& limits, double force_scale, const SafetyParameters& safety) {
+  const double force_N = limits.is_held ? limits.force_limit_N * force_scale : 0;
+  return longestFade_s(force_N, safety.fade_s, safety.slew_limit_N_per_s * force_scale);
 }
 
 double longestFade_s(const Scene& scene) {

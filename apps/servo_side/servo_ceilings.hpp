@@ -16,6 +16,8 @@
 namespace palpate {
 
 struct DeviceKind;
+struct DeviceLimits;
+struct SafetyParameters;
 struct Scene;
 
 // Empty: the scene's own counts.
@@ -54,7 +56,7 @@ struct CeilingRow {
 // Sets the one with this flag. False: there is none of this name. Throws Error(kBadInput): no number, or out of range.
 [[nodiscard]] bool setCeiling(ServoCeilings& ceilings, std::string_view flag, const std::string& value);
 
-// What an engine asked for and did not get, in words: "the engine asks for a force limit of 8 N, and gets 2 N
+// What an engine asked for and did not get, and why, in words: "the engine asks for a force limit of 8 N, and gets 2 N
 // (--max-force)".
 using TellClipped = std::function<void(const std::string&)>;
 
@@ -70,11 +72,21 @@ using TellClipped = std::function<void(const std::string&)>;
 [[nodiscard]] double forceWithin(const ServoCeilings& ceilings, const Scene& scene, double limit_N,
                                  const TellClipped& tell);
 
+// Nobody waits longer than this for a force to fade [s], whatever was asked for. It is enough for the longest fade and
+// ten times the 5 N of the arms in the table, at the lowest slew that a ceiling can ask for. A scene may ask for a slew
+// at which a fade takes more than an hour, and nobody could tell a servo that hangs from one that fades.
+inline constexpr double kMostFade_s = 60;
+// What a servo's process may take beyond its fade, from SIGTERM until it is killed [s].
+inline constexpr double kServosEnd_s = 5;
+
 // The longest that a servo may take to bring a force to zero [s], whatever its own ceilings are, which an engine does
-// not know. `force_N` is the largest at the handle; fade [s] and slew at the handle [N/s] are those that were asked
-// for. After a stall within a fade the rest goes at the slew, so the two times add up.
+// not know; kMostFade_s at most. `force_N` is the largest at the handle; fade [s] and slew at the handle [N/s] are
+// those that were asked for. After a stall within a fade the rest goes at the slew, so the two times add up.
 [[nodiscard]] double longestFade_s(double force_N, double fade_s, double slew_N_per_s);
 // Of the scene's device, by the table of devices. A device that nobody holds has no hand to bring to rest.
 [[nodiscard]] double longestFade_s(const Scene& scene);
+// Of a device that is there. Its limits and the loop's are in the scene's newtons, of which each is `force_scale`
+// newtons at the handle.
+[[nodiscard]] double longestFade_s(const DeviceLimits& limits, double force_scale, const SafetyParameters& safety);
 
 }  // namespace palpate

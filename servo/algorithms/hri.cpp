@@ -190,8 +190,7 @@ void HriSurface::renewed(const Vec3& hip_W, const Vec3& last_normal_W) noexcept 
 // way out is sought from the VHIP, and a VHIP in the air goes on as a free tool until a window shows the HIP.
 void HriSurface::relocate(const Probe& hip, bool gone, std::uint32_t& faults) noexcept {
   // Rounding may have put the VHIP in the object, so the search begins a little in front of it.
-  const double stand_off_m = IsoField::kStandOff * field_->sampler().voxelAlong(surface_.normal_W);
-  const Probe start = field_->probe(vhip_W_ + surface_.normal_W * stand_off_m);
+  const Probe start = field_->probe(IsoField::inFrontOf(field_->sampler(), vhip_W_, surface_.normal_W));
   const bool unseen = gone && hip.side == Side::kUnknown;
   const bool inside = unseen || hip.side == Side::kInside;
   const auto entry = field_->firstEntry(start, hip);

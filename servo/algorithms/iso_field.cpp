@@ -101,7 +101,7 @@ std::optional<Entry> IsoField::nearestExit(const Probe& inside) const noexcept {
 
 bool IsoField::inAirBehind(const Vec3& on_plane_W, const Vec3& normal_W, const Probe& hip) const noexcept {
   if (hip.side != Side::kOutside) return false;
-  const Probe start = probe(on_plane_W + normal_W * (kStandOff * voxel()));
+  const Probe start = probe(inFrontOf(sampler_, on_plane_W, normal_W));
   return start.side == Side::kOutside && !firstEntry(start, hip);
 }
 

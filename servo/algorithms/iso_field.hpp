@@ -43,8 +43,13 @@ class IsoField {
   static constexpr int kMaxRefineSteps = 6;
   // How far from a buried point a way out may end [voxel].
   static constexpr double kLongestWayOut = 32;
-  // A search from a surface point begins this far in front of it, since rounding may have put it in the object [voxel].
+  // A search from a surface point begins this far in front of it, since rounding may have put it in the object [voxel
+  // along the normal].
   static constexpr double kStandOff = 0.25;
+  [[nodiscard]] static Vec3 inFrontOf(const WindowSampler& sampler, const Vec3& surface_W,
+                                      const Vec3& normal_W) noexcept {
+    return surface_W + normal_W * (kStandOff * sampler.voxelAlong(normal_W));
+  }
 
   IsoField() = default;
   IsoField(const SampleWindow& window, double isovalue) noexcept : sampler_(window), isovalue_(isovalue) {}

@@ -4,8 +4,8 @@
 // Such an algorithm is made from a Surface, which finds the virtual plane under the tool by its own rule. A Surface has
 //   explicit Surface(const AlgorithmParameters&);
 //   static constexpr bool kMayPull;     // K d - B v_d may pull the device in, as the paper prints it
-//   static constexpr bool kEasesEdits;  // optional, default true; false: an edit is felt whole as soon as find() sees
-//   it void reset(const Vec3& hip_W) noexcept;
+//   static constexpr bool kEasesEdits;  // optional, default true; false: edits are felt whole at once
+//   void reset(const Vec3& hip_W) noexcept;
 //   // Optional: as Algorithm::resume(); comes after a reset().
 //   void resume(const Vec3& free_W) noexcept;
 //   // True in contact: then plane() is valid, with `tool_W` behind it. `tool_W` is the HIP, or with objects the place
@@ -172,15 +172,18 @@ class VhipAlgorithm final : public Algorithm {
     return objects_.settle(in.hip_W, held(), slack_voxels_ * in.window->lattice.smallestSpacing());
   }
 
-  // The volume's plane where it meets objects. In a groove of the angle a, an error of the plane moves the VHIP by 1 /
-  // sin(a) of it. So the plane is that of the felt surface there. When the object is gone, the felt plane goes over to
-  // the plane itself.
+  // The volume's plane where it meets objects. In a groove an error of the plane moves the VHIP by one over the sine of
+  // the groove's angle as much. So the plane is that of the felt surface there. When the object is gone, the felt plane
+  // goes over to the plane itself.
   [[nodiscard]] ContactPlane met(const SampleWindow& window, const Vec3& tool_W) noexcept {
     const ContactPlane found = shown();
     ContactPlane plane = found;
     if (met_normal_lead_W_.active() || met_depth_lead_m_.active()) {
       plane.normal_W = (found.normal_W - met_normal_lead_W_.elapse()).normalized();
-      plane.p_W = tool_W + (found.depth(tool_W) - met_depth_lead_m_.elapse()) * plane.normal_W;
+      // What is shown is never above the surface, nor twice as deep as it: so it ends with the contact.
+      const double depth_m = found.depth(tool_W);
+      met_depth_lead_m_.bound(depth_m);
+      plane.p_W = tool_W + (depth_m - met_depth_lead_m_.elapse()) * plane.normal_W;
     }
     const double sine = objects_.sharpest(found.normal_W);
     if (!(sine < 1)) {

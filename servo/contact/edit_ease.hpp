@@ -8,9 +8,10 @@
 // that comes out by itself needs no more easing. What an edit takes away is not eased. So through edits the shown
 // quantity rises by at most E / ticks() a tick, with E the largest amount that there was.
 //
-// EditLead is for all else that an edit changes: normals, curvatures, fields. It holds how far the thing as it is now
-// is ahead of the thing as it is shown, of any sign, and drains by the same rule. Thread: the servo's; no heap, lock,
-// system call or throw. Cost: a few additions, only in ticks with an amount.
+// EditLead is for all else that an edit changes, or the end of a groove: normals, curvatures, fields. It holds how far
+// the thing as it is now is ahead of the thing as it is shown, of any sign, and drains by the same rule. A lead knows
+// no whole: of a depth it must be kept within the depth, by bound().
+// Thread: the servo's; no heap, lock, system call or throw. Cost: a few additions, only in ticks with an amount.
 #pragma once
 
 #include <algorithm>
@@ -56,8 +57,9 @@ class EditLead {
  public:
   explicit EditLead(double rate_hz) noexcept : ticks_(EditEase(rate_hz).ticks()) { end(); }
 
-  // An edit has changed the thing by `turn`.
+  // An edit has changed the thing by `turn`. One that is not finite is not taken.
   void take(const Quantity& turn) noexcept {
+    if (!std::isfinite(size(turn))) return;
     lead_ += turn;
     step_ = std::max(step_, size(lead_) / ticks_);
   }
@@ -71,6 +73,16 @@ class EditLead {
       end();
     }
     return lead_;
+  }
+  // The lead is no larger than this from now on.
+  void bound(double most) noexcept {
+    const double present = size(lead_);
+    if (!(present > most)) return;
+    if (most > 0) {
+      lead_ *= most / present;
+    } else {
+      end();
+    }
   }
   void end() noexcept {
     lead_ = zero();

@@ -101,17 +101,31 @@ std::string contactEffectNames(const EffectParameters& p) {
   return names;
 }
 
-double mostStiffening(const EffectParameters& p) noexcept {
-  double most = p.force_shading ? std::hypot(1.0, ForceShading::kMostTurned) : 1;
-  if (p.texture != TextureKind::kNone && p.texture_amplitude_m > 0) most *= kStiffeningTexture;
-  // Where objects hold the tool, K is whole, even if no density of the volume is that stiff.
-  double largest = 1;
-  for (const StiffnessRow& row : p.stiffness_by_density) largest = std::max(largest, row.factor);
-  return most * largest;
+namespace {
+
+bool hasTexture(const EffectParameters& p) noexcept {
+  return p.texture != TextureKind::kNone && p.texture_amplitude_m > 0;
 }
 
-bool holdAside(const EffectParameters& p) noexcept {
-  return p.friction.static_ratio > 0;
+// Where objects hold the tool, K is whole, even if no density of the volume is that stiff.
+double largestFactor(const EffectParameters& p) noexcept {
+  double largest = 1;
+  for (const StiffnessRow& row : p.stiffness_by_density) largest = std::max(largest, row.factor);
+  return largest;
+}
+
+}  // namespace
+
+double mostStiffening(const EffectParameters& p) noexcept {
+  const double by_shading = p.force_shading ? std::hypot(1.0, ForceShading::kMostTurned) : 1;
+  return by_shading * (hasTexture(p) ? kStiffeningTexture : 1) * largestFactor(p);
+}
+
+double mostStiffeningAside(const EffectParameters& p) noexcept {
+  const double by_friction = p.friction.static_ratio > 0 ? 1 : 0;
+  const double by_texture = hasTexture(p) ? 1 + kSteepestTexture * kSteepestTexture : 0;
+  const double at_borders = p.stiffness_by_density.size() > 1 ? 1 : 0;
+  return (by_friction + by_texture) * largestFactor(p) + at_borders;
 }
 
 ContactEffects makeContactEffects(const EffectParameters& p, double stiffness_N_per_m, double rate_hz) {

@@ -50,15 +50,17 @@ struct EffectParameters {
 // By how much the effects multiply the contact's stiffness at most [-]: the largest change of the force for a motion of
 // the tool along the normal, over K.
 // - Force shading turns the force by up to 30 degrees, so it is up to 1 / cos(30 degrees) as long: 1.15.
-// - Texture stores K D'^2 / 2 with D' = D + h s(D). That bends by (1 + h / A)^2 at D = 0 where h > 0, and by 1.5 at D =
-//   2A where h = -A; so by 4 at most (texture.hpp).
+// - Texture: kStiffeningTexture (texture.hpp).
 // - Stiffness by density: the table's largest factor, at least 1, which other objects keep.
 // Recovery and friction add no stiffness along the normal.
 [[nodiscard]] double mostStiffening(const EffectParameters& parameters) noexcept;
 
-// Whether effects hold the tool along the surface by a spring of the contact's stiffness. The surface's damping acts
-// along the normal alone (vhip_algorithm.hpp), so such a spring has none.
-[[nodiscard]] bool holdAside(const EffectParameters& parameters) noexcept;
+// By how much of the contact's K the effects hold the tool along the surface at most [-]; 0: they do not. The surface's
+// damping acts along the normal alone (vhip_algorithm.hpp), so such a spring has none. The sum of
+// - friction: K;
+// - texture: K times the square of its slope, and K for its bend (texture.hpp); both times the largest factor of
+// - stiffness by density, and K where the factor changes (stiffness_by_density.hpp).
+[[nodiscard]] double mostStiffeningAside(const EffectParameters& parameters) noexcept;
 
 // `stiffness_N_per_m`: K of the contact; `rate_hz`: ticks a second. Throws Error(kBadInput) on a negative or non-finite
 // value, a rate or wavelength of 0, a recovery of more than kLongestRecovery ticks, a dynamic friction above the static

@@ -77,7 +77,7 @@ Vec3 FeltSurface::footOf(const Contact& contact) const noexcept {
   const double cosine = form_.normal_W.dot(plane_W);
   if (!(cosine > 0)) return below_tool_W;
   const Vec3 aside_W = whole_m / cosine * (form_.normal_W - cosine * plane_W);
-  const double aside_m = aside_W.norm(), longest_m = kSteepest * whole_m;
+  const double aside_m = aside_W.norm(), longest_m = kMostAside * whole_m;
   return below_tool_W + (aside_m > longest_m ? Vec3(aside_W * (longest_m / aside_m)) : aside_W);
 }
 

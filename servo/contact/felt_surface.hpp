@@ -22,8 +22,8 @@
 // Where another object holds the tool the surface is the contact's plane, and flat.
 //
 // Frame W: world [m]. Thread: the servo's; no heap, lock, system call or throw. Cost: that of a patch and its
-// curvature, some 300 ns a tick in contact; nothing in a scene without effects. Errors: none; where there are no
-// samples the plane is felt, with the curvature known before.
+// curvature, some 300 ns a tick in contact; nothing where no effect feels the surface and no object meets the volume.
+// Errors: none; where there are no samples the plane is felt, with the curvature known before.
 #pragma once
 
 #include "servo/contact/contact_plane.hpp"
@@ -33,10 +33,6 @@
 #include "servo/contact/window_cache.hpp"
 
 namespace palpate {
-
-// How far aside of the depth an effect may put the surface point, and how steep a texture is: the tangent of 45 degrees
-// [-].
-inline constexpr double kSteepest = 1;
 
 struct FeltPoint {
   Vec3 p_W = Vec3::Zero();             // the surface point under the tool, as far as edits are taken in [m]
@@ -61,6 +57,8 @@ class FeltSurface {
   // How far the felt normal may be from the plane's: the tangent of 72 degrees. At a sharp edge the plane turns faster
   // than anything that is smoothed can follow [-].
   static constexpr double kMostApart = 3;
+  // How far aside of the depth the surface point may be: the tangent of 45 degrees [-].
+  static constexpr double kMostAside = 1;
   // How far the place at which fields are read goes in a tick, as a multiple of what the tool's own motion explains on
   // a surface of the curvature that was found [-]. Where the surface point jumps, at a sharp edge, the place follows.
   static constexpr double kMostAhead = 1.5;

@@ -4,8 +4,9 @@
 // The field is the quadratic B-spline with these numbers as its coefficients. Its value and slope are continuous
 // everywhere, and the slope is exactly that of the value. Numbers that are linear in space are reproduced exactly. The
 // value lies between the smallest and the largest of the 27 numbers around the point. So the slope along an axis is at
-// most twice half their range per voxel, however abruptly the numbers change. Beyond the window's outermost samples the
-// field is constant.
+// most twice half their range per voxel, however abruptly the numbers change, and the slope changes by at most
+// kMostBend times half their range per voxel squared, in any direction. Beyond the window's outermost samples the field
+// is constant.
 // Frames: W world [m]; L the window's lattice [voxel]. Thread: the servo's. Cost: some 25 ns. If the nearest sample is
 // another one than before, or the window is new, also 27 calls of number(). Errors: none.
 #pragma once
@@ -26,6 +27,12 @@ namespace palpate {
 
 class LatticeSpline {
  public:
+  // Of cubes; for other voxels with their smallest side. Found by a search over places, directions and numbers, which a
+  // test repeats [-].
+  static constexpr double kMostBend = 5.5625;
+  // The same where the numbers have one value on this side of a plane and another beyond, times the difference of both.
+  static constexpr double kBorderBend = 1.486;
+
   struct At {
     double value = 0;
     Vec3 gradient_W = Vec3::Zero();  // [1/m]

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/contact/stiffness_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -41,6 +42,11 @@ double StiffnessTable::factor(double density) const noexcept {
       return a.factor + (b.factor - a.factor) * ((density - a.density) / (b.density - a.density));
   }
   return rows_.back().factor;
+}
+
+double StiffnessTable::range() const noexcept {
+  const auto [least, most] = std::ranges::minmax(rows_, {}, &StiffnessRow::factor);
+  return most.factor - least.factor;
 }
 
 }  // namespace palpate

@@ -25,6 +25,9 @@ class StiffnessTable {
   // Linear between rows; constant before the first and after the last. Cost: linear in the number of rows.
   [[nodiscard]] double factor(double density) const noexcept;
 
+  // The largest factor less the smallest.
+  [[nodiscard]] double range() const noexcept;
+
  private:
   std::vector<StiffnessRow> rows_;
 };

@@ -7,8 +7,13 @@
 // The stored energy grows by (D'^2 - D^2) / 2. The VHIP moves by minus the slope of that: D' (1 + h s') - D along the
 // normal, and -D' s grad h along the surface. So a bump holds the hand back on its way up and pushes it on down the
 // other side. Over the whole bump it gives no energy. shape_operator.hpp says what changes where the surface curves,
-// felt_surface.hpp where p is. No bump is steeper than kSteepest, whatever the amplitude: on a flat surface the
-// texture turns the force by at most 45 degrees. Frame W: world [m]. Thread: move() and release() the servo's.
+// felt_surface.hpp where p is.
+// Deeper than 2A the share falls again: s = 1 / sqrt(1 + (D - 2A)^2 / w^2). If it did not, a dent would hold the tool
+// along the surface by D' times the bend of h: in a deep press tenfold K, without damping, and a light hand would shake
+// in it. w is such that D' s is never more than one over the largest bend, so the bend adds at most K; a tool that is
+// held by its distance to a bumpy surface is held no stiffer than that either. The height is felt in full down to some
+// w (0.4 mm for A = 0.1 mm at a wavelength of 1 mm); beyond, the push along the surface goes on as it is there.
+// Frame W: world [m]. Thread: move() and release() the servo's. Cost: docs/effects.md.
 #pragma once
 
 #include <array>
@@ -22,10 +27,17 @@ namespace palpate {
 // = A the depth D' is 2 D, and K D'^2 / 2 bends by 4 K [-].
 inline constexpr double kStiffeningTexture = 4;
 
+// The largest amplitude times the root of its bend: A <= kWidestByBend / sqrt(bend of h / A) [-]. Then 1 / bend >= 4A,
+// and there is a depth w of 2.2A or more over which the share can fall.
+inline constexpr double kWidestByBend = 0.5;
+
+// The steepest that a texture may be: the tangent of 36 degrees [-].
+inline constexpr double kSteepestTexture = 0.735;
+
 // A solid texture that fills the world: the mean of kWaves plane waves of one wavelength. Their directions are those of
 // a regular tetrahedron, turned so that none lies along an axis. On a surface each wave shows as a wave of at least
-// that wavelength. The root mean square is A / sqrt(2 kWaves) = 0.354 A. The slope is at most 2 pi / sqrt(3) A /
-// wavelength, so A is cut to 0.276 wavelengths. Cost: some 80 ns (four sines, four cosines).
+// that wavelength. The root mean square is A / sqrt(2 kWaves) = 0.354 A. With k = 2 pi / wavelength h bends by A k^2 /
+// 3 at most in any direction, so A is cut to 0.138 wavelengths; the slope is at most A k / sqrt(3), 27 degrees then.
 class ProceduralTexture final : public ContactEffect {
  public:
   static constexpr int kWaves = 4;
@@ -45,6 +57,7 @@ class ProceduralTexture final : public ContactEffect {
  private:
   [[nodiscard]] LatticeSpline::At at(const Vec3& p_W) const noexcept;
 
+  double bend_per_m2_;  // of h / A
   double amplitude_m_;
   std::array<Vec3, kWaves> k_W_;
 };
@@ -56,12 +69,12 @@ class ProceduralTexture final : public ContactEffect {
 // In the mean, neighbours are weighted by one over their distance squared, as in a Laplacian. So a smooth surface of
 // radius R has the same departure in every direction, on voxels that are not cubes too: h^2 / (3 R), where 3 / h^2 is
 // the sum of one over each side squared. That is 0.017 h at a radius of 20 voxels of side h.
-// A is at most kWidest of the smallest side. Without a window or without steepness there is no texture. Cost: some 260
-// ns; 250 ns more in a tick in which another sample becomes the nearest.
+// A is at most kWidest of the smallest side. Without a window or without steepness there is no texture.
 class DensityTexture final : public ContactEffect {
  public:
-  // Largest A, as a share of the smallest side: the field rises by at most 2A a voxel along each of three axes.
-  static constexpr double kWidest = kSteepest / (2 * 1.7320508);
+  // Largest A, as a share of the smallest side: 0.212. The field rises by at most 2A a voxel along each of three axes,
+  // so it is at most 36 degrees steep.
+  static constexpr double kWidest = kWidestByBend / 2.3585;  // the root of LatticeSpline::kMostBend
 
   // `gain`: multiplies the departure [-]; the product is cut off at +-`amplitude_m`.
   DensityTexture(double amplitude_m, double gain, double rate_hz) noexcept

@@ -17,8 +17,9 @@ namespace palpate {
 class BelievedCounts {
  public:
   static constexpr int kMostLeaps = 3;
-  static constexpr double kLongestLeap_m =
-      0.1;  // however long it said nothing: half a second is enough for a new start
+  // The longest way that is believed of a silence, however long: half a second is enough for the arm to be switched off
+  // and on [m].
+  static constexpr double kLongestLeap_m = 0.1;
 
   // `tick_s`: the shortest time that a report can be after another.
   BelievedCounts(const ArmKinematics& arm, double tick_s) noexcept;

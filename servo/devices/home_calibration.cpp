@@ -4,16 +4,9 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "servo/devices/one_writer.hpp"
 
 namespace palpate {
-namespace {
-
-// By its one writer.
-void addOne(std::atomic<std::uint64_t>& count) noexcept {
-  count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-}
-
-}  // namespace
 
 void HomeCalibration::beginAnew(bool was_away) noexcept {
   if (was_away) forget();
@@ -40,7 +33,7 @@ HomeCalibration::Answer HomeCalibration::answer(std::uint64_t requests, bool ask
   if (!is_heard) return Answer::kTooEarly;
   if (state_ == State::kCalibrating) {
     calibrated_.store(true, std::memory_order_relaxed);
-    addOne(calibrations_);
+    countUp(calibrations_);
   }
   state_ = State::kCounts;
   return Answer::kFromHome;
@@ -60,7 +53,7 @@ void HomeCalibration::notePose(bool is_possible) noexcept {
     impossible_poses_ = 0;
     return;
   }
-  addOne(impossible_);
+  countUp(impossible_);
   if (++impossible_poses_ >= kImpossible) forget();
 }
 
@@ -106,7 +99,7 @@ HomeCalibration::Order HomeCalibration::press(double time_s, double now_s) noexc
 CalibrationRefusal HomeCalibration::ask(double now_s) noexcept {
   const CalibrationRefusal why = whyNot(now_s);
   for (std::size_t i = 0; i < kCalibrationRefusals.size(); ++i) {
-    if (why == kCalibrationRefusals[i]) addOne(refusals_[i]);
+    if (why == kCalibrationRefusals[i]) countUp(refusals_[i]);
   }
   if (why == CalibrationRefusal::kNone) static_cast<void>(order(State::kCalibrating));
   return why;

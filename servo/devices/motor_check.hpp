@@ -10,10 +10,9 @@
 // - Which joint answers. The ways of the joints are compared at the handle, each as far as its motor's force would move
 //   it. There the joint that is pushed moves most, whatever the pose, since the others are carried along by the cosine
 //   between their ways.
-// - How much is right. An arm that nobody holds answers as m x'' = F - b x'. kWeakest to kStrongest times that is
-// right:
-//   a hand, friction and a guessed mass make it less, and a lighter arm more; another arm's motors are 12 times as
-//   strong.
+// - How much is right: kWeakest to kStrongest times what an arm answers that nobody holds, m x'' = F - b x'. A hand,
+//   friction and a guessed mass that is too small make it less, a guessed mass that is too large makes it more. Motors
+//   of another arm may be 12 times as strong.
 // - How hard. Pushes begin with kFirst_N and grow until something answers, so that motors that are too strong push no
 //   harder than one that is right. An arm may give less than it is asked for (JointedArm::push()). What it gave is what
 //   its answer is held against, and at its most the push is repeated: the mean of n answers has 1/sqrt(n) of the noise.

@@ -12,6 +12,7 @@
 #include "base/monotonic_clock.hpp"
 #include "base/quantile.hpp"
 #include "base/units.hpp"
+#include "servo/devices/one_writer.hpp"
 #include "servo/devices/typical_hands.hpp"
 
 namespace palpate {
@@ -32,10 +33,6 @@ constexpr double kMilliamperesPerAmpere = 1e3;
 
 std::uint64_t valueOf(const std::atomic<std::uint64_t>& counter) {
   return counter.load(std::memory_order_relaxed);
-}
-
-void countOne(std::atomic<std::uint64_t>& counter) noexcept {
-  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
 const PolhemParameters& checked(const PolhemParameters& p) {
@@ -96,7 +93,7 @@ LinkSettings linkSettings(const PolhemParameters& p, const PolhemUse& use, std::
   const auto bytes = static_cast<std::size_t>(p.report_bytes);
   const auto fold = [bytes, &garbage, &garbage_bytes](Report& known, const Report& report) {
     if (!parsePolhem(report.content(), bytes)) {
-      countOne(garbage);
+      countUp(garbage);
       garbage_bytes.store(report.size, std::memory_order_relaxed);
       return false;
     }
@@ -353,7 +350,7 @@ void PolhemDevice::take(const Received& received) noexcept {
     believed_.countFrom(state->counts);
   } else {
     const BelievedCounts::Verdict verdict = believed_.look(state->counts, intervalTo(received));
-    if (verdict != BelievedCounts::Verdict::kMotion) countOne(implausible_);
+    if (verdict != BelievedCounts::Verdict::kMotion) countUp(implausible_);
     if (verdict == BelievedCounts::Verdict::kLeap) return;
     is_elsewhere = verdict == BelievedCounts::Verdict::kElsewhere;
     if (is_elsewhere) calibration_.forget();
@@ -387,7 +384,7 @@ std::int64_t PolhemDevice::reportAge_ns() const noexcept {
 
 // What of currents that are a force at the handle may flow: within the current limit, what the motors bear, and a limit
 // of the force. All currents are cut alike, so that the force keeps its direction.
-double PolhemDevice::share(const Vec3& currents_A, double force_N, double limit_N) const noexcept {
+double PolhemDevice::allowedShare(const Vec3& currents_A, double force_N, double limit_N) const noexcept {
   const double largest_A = currents_A.cwiseAbs().maxCoeff();
   double share = largest_A > parameters_.current_limit_A ? parameters_.current_limit_A / largest_A : 1;
   share = std::min(share, heat_.share(currents_A));
@@ -399,7 +396,7 @@ Vec3 PolhemDevice::currentsFor(const Vec3& force_D, double& share) const noexcep
   share = 0;
   if (forceOff() != ForceOff::kNone || !force_D.allFinite()) return Vec3::Zero();
   const Vec3 currents_A = arm_.currents(toArm(force_D), believed_.angles());
-  share = this->share(currents_A, force_D.stableNorm(), forceLimit_N());
+  share = allowedShare(currents_A, force_D.stableNorm(), forceLimit_N());
   if (use_.motors_checked) return share * currents_A;
   const double most_N = look_alikes_.most_N(share * currents_A, believed_.counts());
   if (most_N > kUncheckedForce_N) share *= kUncheckedForce_N / most_N;
@@ -446,7 +443,7 @@ double PolhemDevice::trialCurrent_A_per_N(int motor) const noexcept {
 double PolhemDevice::trialLimit_N(int motor) const noexcept {
   const double limit_N = std::min({kMostTrial_N, parameters_.force_limit_N, kUncheckedForce_N});
   const Vec3 currents_A = limit_N * trialCurrent_A_per_N(motor) * Vec3::Unit(motor);
-  const double share = this->share(currents_A, limit_N, limit_N);
+  const double share = allowedShare(currents_A, limit_N, limit_N);
   const double most_N = look_alikes_.mostOfPossible_N(share * currents_A, believed_.counts());
   return limit_N * (most_N > kUncheckedForce_N ? share * kUncheckedForce_N / most_N : share);
 }

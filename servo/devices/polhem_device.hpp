@@ -16,8 +16,8 @@
 // - The pushes of the check itself keep to that, to the force limit, the current limit and the heat of the motors.
 //
 // Reports that are refused:
-// - What is no report, and a position that no hand can reach in the time (believed_counts.hpp), is counted and not
-// used.
+// - What is no report, and a position that no hand can reach in the time (believed_counts.hpp). It is counted, and not
+//   used.
 // - Three such positions in a row: the arm counts from elsewhere, and is not calibrated any more.
 // - After 0.5 s without a usable report the arm may have been switched off and on: it is not calibrated any more.
 //
@@ -123,7 +123,7 @@ class PolhemDevice final : public Device, private JointedArm {
   [[nodiscard]] double sinceWrite_s() noexcept;
   void passHeat() noexcept;
   [[nodiscard]] double forceLimit_N() const noexcept;
-  [[nodiscard]] double share(const Vec3& currents_A, double force_N, double limit_N) const noexcept;
+  [[nodiscard]] double allowedShare(const Vec3& currents_A, double force_N, double limit_N) const noexcept;
   [[nodiscard]] Vec3 currentsFor(const Vec3& force_D, double& share) const noexcept;
   [[nodiscard]] double trialCurrent_A_per_N(int motor) const noexcept;
   [[nodiscard]] double trialLimit_N(int motor) const noexcept;

@@ -9,6 +9,7 @@
 #include "base/monotonic_clock.hpp"
 #include "base/thread_names.hpp"
 #include "base/units.hpp"
+#include "servo/devices/one_writer.hpp"
 
 namespace palpate {
 namespace {
@@ -78,7 +79,7 @@ bool ReportLink::reopen() noexcept {
   // Most devices say something at once when they are switched on.
   waits_ = true;
   asked_ns_ = monotonicNow_ns();
-  count(reconnects_);
+  countUp(reconnects_);
   connected_.store(true, std::memory_order_release);
   return true;
 }
@@ -92,7 +93,7 @@ void ReportLink::lose() noexcept {
   asked_.store(false, std::memory_order_release);
   connected_.store(false, std::memory_order_release);
   port_.reset();
-  count(disconnects_);
+  countUp(disconnects_);
 }
 
 void ReportLink::post(const Report& command, std::int64_t now_ns) noexcept {
@@ -116,7 +117,7 @@ const Report& ReportLink::outgoing(bool& is_request) noexcept {
   const bool fresh = age_ns <= settings_.command_life_s * kNanosecondsPerSecond || !threaded_;
   const bool meant = command.given && command.time_ns > lost_at_ns_;
   if (meant && fresh) return command.report;
-  if (meant) count(rests_);
+  if (meant) countUp(rests_);
   return settings_.rest;
 }
 
@@ -126,7 +127,7 @@ bool ReportLink::writeNext() noexcept {
   const std::int64_t begin_ns = monotonicNow_ns();
   const bool taken = port_->write(report);
   writes_.add(monotonicNow_ns() - begin_ns);
-  count(taken ? written_ : refused_);
+  countUp(taken ? written_ : refused_);
   // The next report may be one that was on its way already.
   if (taken && is_request) answers_to_request_ = 2;
   return taken;
@@ -148,7 +149,7 @@ void ReportLink::countGap() noexcept {
   if (!settings_.moves || !(settings_.interval_s > 0) || last_.number == 0 || !settings_.moves(last_.report)) return;
   const double gap_ns = static_cast<double>(monotonicNow_ns() - last_.time_ns);
   const double intervals = gap_ns / (settings_.interval_s * kNanosecondsPerSecond);
-  count(lost_, static_cast<std::uint64_t>(std::max(0.0, std::round(intervals) - 1)));
+  countUp(lost_, static_cast<std::uint64_t>(std::max(0.0, std::round(intervals) - 1)));
 }
 
 bool ReportLink::fold(const Report& report) noexcept {
@@ -183,7 +184,7 @@ void ReportLink::tell() noexcept {
   last_.asked_ns = waits_ ? asked_ns_ : last_.time_ns;
   waits_ = false;
   ++last_.number;
-  count(taken_);
+  countUp(taken_);
   received_.back() = last_;
   received_.publish();
 }
@@ -214,7 +215,7 @@ bool ReportLink::exchange() noexcept {
     return false;
   }
   if (got == PortRead::kNothing) {
-    if (settings_.answers) count(lost_);
+    if (settings_.answers) countUp(lost_);
     beSilent(begin_ns);
     return false;
   }
@@ -222,7 +223,7 @@ bool ReportLink::exchange() noexcept {
   bool told = fold(report);
   int wait_ms = is_owed && settings_.answers ? std::min(settings_.answer_ms, kLate_ms) : 0;
   for (int more = 0; more < kMostQueued && readWithin(report, wait_ms) == PortRead::kReport; ++more) {
-    count(superseded_);
+    countUp(superseded_);
     told = fold(report) || told;
     wait_ms = 0;
   }

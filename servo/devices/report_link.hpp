@@ -109,9 +109,6 @@ class ReportLink {
   void beSilent(std::int64_t since_ns) noexcept;
   [[nodiscard]] bool mayHaveForgotten() noexcept;
   void tell() noexcept;
-  static void count(Counter& counter, std::uint64_t more = 1) noexcept {
-    counter.store(counter.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
-  }
 
   PortOpener open_;
   LinkSettings settings_;

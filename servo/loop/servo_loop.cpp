@@ -334,9 +334,7 @@ std::uint32_t ServoLoop::askDevice(std::int64_t gap_ns) noexcept {
 void ServoLoop::takeOver(Algorithm& next, const SampleWindow& window) const noexcept {
   if (!way_known_) return next.reset(hip_W_);
   const bool in_contact = last_.in_contact && window.usable();
-  next.resume(in_contact
-                  ? Vec3(last_.surface_W + last_.normal_W * (IsoField::kStandOff * window.lattice.smallestSpacing()))
-                  : hip_W_,
+  next.resume(in_contact ? IsoField::inFrontOf(WindowSampler(window), last_.surface_W, last_.normal_W) : hip_W_,
               hip_W_);
 }
 

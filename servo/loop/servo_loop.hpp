@@ -80,10 +80,11 @@ class ServoLoop {
 
   // Set before a run: where changes come from, and who else sees each tick. Both must outlive the loop. A change is
   // made between two ticks. A new algorithm takes over a contact where it is (Algorithm::resume()). For a while both
-  // algorithms run, and the force goes over from the old one's to the new one's, evenly. That takes kChangeOver_s where
-  // there is a force that does not grow, and else as long as an edit takes to come in (EditEase::kTime_s). After an
-  // unstable contact it always takes as long; the old algorithm keeps the share that was left of its force. A
-  // new force limit is reached in the same times; it stays within the device's own. While a contact is only remembered
+  // algorithms run, and the force goes over from the old one's to the new one's. A tick in which the new force is the
+  // old one or less of it, along the same line within 14 degrees, counts as one of kChangeOver_s. Every other tick
+  // counts as one of EditEase::kTime_s, as an edit comes in: so does each after an unstable contact, whose old
+  // algorithm keeps the share that was left of its force, and each in which the new one sees no surface yet. A new
+  // force limit is reached in the same times; it stays within the device's own. While a contact is only remembered
   // (TickOutput::at_surface without contact), changes wait.
   static constexpr double kChangeOver_s = 0.1;  // [s]
   void takeChangesFrom(ServoChanges& changes) noexcept { changes_ = &changes; }

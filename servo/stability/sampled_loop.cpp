@@ -215,6 +215,10 @@ double settlingStiffness(const SampledLoop& loop, double damping_Ns_per_m, doubl
   return borderFrom(stable, kSoftest_N_per_m, precision, settles).value_or(0);
 }
 
+double forceOfAStep(const SampledLoop& loop, const Wall& wall, double resolution_m) {
+  return (wall.stiffness_N_per_m + wall.damping_Ns_per_m * filterGain(loop) * loop.rate_hz) * resolution_m;
+}
+
 double dampingBound(const SampledLoop& loop, double stiffness_N_per_m, double precision) {
   const auto stable = [&](double damping) { return isStable(loop, {stiffness_N_per_m, damping}); };
   double from = kLeastDamping_Ns_per_m;

@@ -76,6 +76,10 @@ inline constexpr int kMostExactDelay = 16;
 [[nodiscard]] double settlingStiffness(const SampledLoop& loop, double damping_Ns_per_m,
                                        double precision = kBoundPrecision);
 
+// The force by which the wall answers in one tick to an encoder that goes on by a step of `resolution_m` [N]: the
+// position is a step farther, and the velocity's filter takes it for one of a Delta / T: (K + B a / T) Delta.
+[[nodiscard]] double forceOfAStep(const SampledLoop& loop, const Wall& wall, double resolution_m);
+
 // The damping up to which every wall of stiffness K is stable [N s/m], in the same way from kLeastDamping_Ns_per_m to
 // kMostDamping_Ns_per_m. If K is unstable without damping, the range begins where damping makes it stable; 0 if none
 // does.

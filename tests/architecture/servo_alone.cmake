@@ -15,17 +15,10 @@ endfunction()
 file(REMOVE_RECURSE ${FOLDER})
 file(COPY ${SOURCE}/servo ${SOURCE}/base ${SOURCE}/cmake DESTINATION ${FOLDER}/source)
 set(build ${FOLDER}/build)
-# Each file by itself and without precompiled headers of ours, as in a stranger's project: so a header that a file forgot to
-# include is missed here, where files joined by rooms find it through each other. Eigen alone is read once for all files: it
-# is two thirds of the work, and nearly every file includes it. Not optimised: this is about what the servo needs.
-set(eigen ${FOLDER}/eigen.hpp)
-file(WRITE ${eigen} "#include <Eigen/Geometry>\n#include <Eigen/LU>\n")
-set(flags -O0 -fPIC)
-run(words ${COMPILER} -std=c++20 ${flags} -isystem ${EIGEN} -x c++-header ${eigen} -o ${eigen}.gch)
-list(JOIN flags " " flags)
+# Each file by itself and without precompiled headers, as in a stranger's project: so a header that a file forgot to include is
+# missed here, where files joined by rooms find it through each other. Not optimised: this is about what the servo needs.
 run(words ${CMAKE_COMMAND} -S ${FOLDER}/source/servo -B ${build} -G Ninja -DCMAKE_CXX_COMPILER=${COMPILER}
-    -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_CXX_FLAGS_DEBUG=${flags} -include ${eigen}" -DCMAKE_UNITY_BUILD=OFF
-    -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON)
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DCMAKE_UNITY_BUILD=OFF -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON)
 run(words ${CMAKE_COMMAND} --build ${build} -j 2)
 file(GLOB_RECURSE joined ${build}/unity_*.cxx)
 if(joined)

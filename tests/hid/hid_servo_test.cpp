@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `palpate servo` with an emulated arm, beside an engine: how its force ends when it is told to end, and what it gives
-// a board whose amplifiers bear more than it may.
+// `palpate servo` with an emulated arm, beside an engine: how its force ends when it is told to end, and what it says
+// of a current that no board of a kind may have.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -160,9 +160,11 @@ TEST_F(HidServo, ToldToEndItsForceFadesAsAFaultDoes) {
   }
 }
 
-// A kind with boards of 6 A and of 3 A: whichever is plugged in, it gets no more than the servo's 4 A, and no more than
-// the weaker one bears. Nobody says --current-limit.
-TEST_F(HidServo, GivesNoBoardMoreThanItsCeiling) {
+// A kind with boards of 6 A and of 3 A, and a servo of 4 A: it says that whichever is plugged in gets no more than the
+// weaker one bears. Nobody says --current-limit. That the current of each board is bounded by what is said is in
+// tests/apps/servo_side/servo_ceilings_test.cpp, that no arm gets more than its current limit in
+// tests/servo/devices/polhem_device_test.cpp.
+TEST_F(HidServo, SaysThatEachBoardGetsWhatTheWeakestBears) {
   std::filesystem::create_directories(file("config/palpate/devices"));
   write("config/palpate/devices/a.toml",
         "[[device]]\nname = \"boards\"\nfamily = \"polhem-family\"\nwhat = \"of two boards\"\nusb = [{ id = "
@@ -170,7 +172,7 @@ TEST_F(HidServo, GivesNoBoardMoreThanItsCeiling) {
         "report_bytes = 14, current_limit_A = 6 }, { id = \"16c0:0486\", report_bytes = 64, current_limit_A = 3 }]\n");
   serve({"--device", "boards", "--place-at", "0,0,0", "--place-scale", "1"});
   join({}, {"--max-current", "4"});
-  EXPECT_TRUE(awaitSaid("the engine asks for a current limit of 6 A, and gets 3 A (--max-current)"))
+  EXPECT_TRUE(awaitSaid("a current limit of 6 A, and gets 3 A (the weakest board of this kind bears 3 A)"))
       << contentsOf(file("servo.log"));
   EXPECT_EQ(endServo(), 0) << contentsOf(file("servo.log"));
 }

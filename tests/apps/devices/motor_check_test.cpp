@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/devices/device_table.hpp"
-#include "servo/devices/hand_way.hpp"
+#include "apps/devices/hand_way.hpp"
 #include "servo/devices/polhem_device.hpp"
 #include "servo/devices/typical_hands.hpp"
 #include "tests/servo/support/emulated_polhem.hpp"

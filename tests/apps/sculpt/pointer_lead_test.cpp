@@ -40,6 +40,7 @@ class Scene final : public StillSide {
   }
   void aim(const PointerTarget& target) noexcept override {
     leaps += target.from_W ? 1 : 0;
+    aimed_W = target.hip_W;
     aim_.aim(target);
   }
   void press(const ToolBrushSpec& brush) override { brush_.emplace(brush, Vec3i::Constant(1000), Lattice{}); }
@@ -83,6 +84,7 @@ class Scene final : public StillSide {
 
   double deepest_m = 0, deepest_edit_m = 0, shallowest_leap_m = 1;
   int edits = 0, leaps = 0, touched = 0;
+  Vec3 aimed_W = Vec3::Zero();
 
  private:
   [[nodiscard]] float distanceAt(double x, double y) const {
@@ -291,6 +293,50 @@ TEST(PointerLead, ViewKeysLiftTheTool) {
       EXPECT_NEAR(hip_W.norm() - 0.04, presses ? -person.reach.depth_m : person.reach.lift_m, 1e-4);
     }
     EXPECT_LE(scene.deepest_m, presses ? 1.1 * person.reach.depth_m : 0);
+  }
+}
+
+// What is not drawn presses the tool no harder than what is: a tool that is deeper than PointerTool::kDeepest times the
+// reach is led back to the reach. A brush that adds may put its radius over the tool, from the stroke's begin to its
+// end.
+TEST(PointerLead, LeadsTheToolOutOfWhatIsNotDrawnButNotOutOfWhatItAdds) {
+  const Body body = ball(0.04);
+  Scene scene(body.surface, body.object);
+  Person person(body.object, 160, 120);
+  for (int i = 0; i < 60; ++i) {
+    person.frame(scene);
+    scene.draw(0);
+    scene.step(16);
+  }
+  const Vec3 normal_W = person.view.camera().position_W.normalized();
+  const double reach_m = person.reach.depth_m, radius_m = 3e-3;
+  TickRecord tick = scene.tick();
+  const auto aimAt = [&](const ToolRequest& request) {
+    person.lead.lead(scene, request, Gestures::Kind::kStroke, person.input, person.reach, tick);
+    return scene.aimed_W;
+  };
+  tick.in_contact = false;
+  const Vec3 drawn_W = aimAt({.presses = true});
+  tick.in_contact = true;
+  for (int axis = 0; axis < 3; ++axis) tick.normal_W[axis] = normal_W[axis];
+  const auto ledBackWith = [&](double depth_m, const ToolRequest& request) {
+    for (int axis = 0; axis < 3; ++axis) tick.vhip_W[axis] = drawn_W[axis] + depth_m * normal_W[axis];
+    return normal_W.dot(aimAt(request) - drawn_W);
+  };
+  const double deepest_m = PointerTool::kDeepest * reach_m, deep_m = deepest_m + 0.9 * radius_m;
+  const ToolRequest holds{.presses = true};
+  EXPECT_NEAR(ledBackWith(0.99 * deepest_m, holds), 0, 1e-9);
+  EXPECT_NEAR(ledBackWith(1.01 * deepest_m, holds), 1.01 * deepest_m - reach_m, 1e-9);
+  for (const EditKind kind : {EditKind::kAdd, EditKind::kRemove, EditKind::kDeflate}) {
+    const bool adds = kind == EditKind::kAdd;
+    ToolBrushSpec brush;
+    brush.brush.kind = kind;
+    brush.brush.radius_m = radius_m;
+    static_cast<void>(ledBackWith(0, {.presses = true, .begins = brush}));
+    EXPECT_NEAR(ledBackWith(deep_m, holds), adds ? 0 : deep_m - reach_m, 1e-9);
+    EXPECT_NEAR(ledBackWith(deep_m + 0.2 * radius_m, holds), deep_m + 0.2 * radius_m - reach_m, 1e-9);
+    static_cast<void>(ledBackWith(0, {.presses = true, .ends = true}));
+    EXPECT_NEAR(ledBackWith(deep_m, holds), deep_m - reach_m, 1e-9);
   }
 }
 

@@ -127,6 +127,7 @@ TEST_P(SculptSessions, IsSeenFeltDrilledUndoneAndSaved) {
   EXPECT_TRUE(person.presses(
       [&] { return person.look().edits.edits >= 1 && asVec3(person.session.tick().force_W).norm() < 1e-3; }));
   person.session.release();
+  ASSERT_TRUE(waitFor([&] { return person.look().edits.waiting == 0; }));  // the brush is up: no edit comes any more
   ASSERT_TRUE(waitFor([&] {
     const ViewFrame& frame = person.session.view().latest();
     return frame.whole && frame.edit_version == person.look().edits.content_version &&

@@ -11,6 +11,7 @@
 
 #include "servo/devices/simulated_device.hpp"
 #include "servo/devices/typical_hands.hpp"
+#include "servo/loop/velocity_filter.hpp"
 #include "servo/stability/sampled_loop.hpp"
 #include "tests/servo/support/seeded.hpp"
 
@@ -62,7 +63,8 @@ TEST(ContactBounds, WarnWhereTheLoopDoesNotSettleAndNameValuesWithWhichItDoes) {
     if (random.pick(4) == 0) settings.effects.friction = {0.3, 0.2, 0};
     const double factor = mostStiffening(settings.effects), damping = settings.parameters.damping_Ns_per_m;
     const Wall wall{settings.parameters.stiffness_N_per_m * factor, damping};
-    const Wall aside{wall.stiffness_N_per_m, holdAside(settings.effects) ? 0 : damping};
+    const double held_aside = mostStiffeningAside(settings.effects);
+    const Wall aside = held_aside > 0 ? Wall{settings.parameters.stiffness_N_per_m * held_aside, 0} : wall;
     const bool settles = settlesSoon(loop, wall) && settlesSoon(loop, aside);
 
     EXPECT_EQ(mayShake(settings, parameters, device), !settles) << i;
@@ -172,20 +174,6 @@ TEST(ContactBounds, AnAdaptiveVelocityCountsAsItsShortestWindow) {
   }
 }
 
-// A device that knows several hands is judged by the worst.
-class AnyHand final : public Device {
- public:
-  [[nodiscard]] std::string_view name() const noexcept override { return "any hand"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
-  [[nodiscard]] std::vector<HandParameters> hands() const override {
-    std::vector<HandParameters> all;
-    for (const TypicalHand& hand : kTypicalHands) all.push_back(hand.holding({}));
-    return all;
-  }
-  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
-  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
-};
-
 // A device in an ordinary hand, with what its maker states and what it is made of.
 class Made final : public Device {
  public:
@@ -198,6 +186,74 @@ class Made final : public Device {
   [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
   DeviceLimits of;
   double friction_N = 0;
+};
+
+// With encoders of any size: warned where the wall is unstable without its damping and a step makes the force jump by
+// more than dry friction quiets, and the stiffness that is named is neither. The jump is made here by the servo's
+// filter.
+TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
+  Seeded random(33);
+  int stiff = 0, fine = 0, undamped = 0;
+  for (int i = 0; i < 1500; ++i) {
+    Made device;
+    device.of.position_resolution_m = random.logBetween(1e-6, 100e-6);
+    device.friction_N = random.pick(2) == 0 ? 0 : random.logBetween(0.005, 0.3);
+    RigSettings settings;
+    settings.parameters.stiffness_N_per_m = random.logBetween(1000, 20000);
+    settings.parameters.damping_Ns_per_m = random.between(0, 20);
+    if (random.pick(3) == 0) settings.effects.stiffness_by_density = {{1, random.between(1, 5)}};
+    LoopParameters loop;
+    loop.rate_hz = random.logBetween(500, 4000);
+    VelocityFilter filter(loop.velocity.cutoff_hz, loop.rate_hz);
+    filter.reset(Vec3::Zero());
+    const double speed_m_per_s = filter.update({device.of.position_resolution_m, 0, 0}, 1).x();
+    const double quiet_N = 2 * std::max(0.02, device.friction_N);
+    const double factor = mostStiffening(settings.effects), gain = 4 / M_PI;  // of rounding, in the linear loop
+    const SampledLoop sampled{.hand = device.hands()[0], .rate_hz = loop.rate_hz};
+    const auto jump_N = [&](double stiffness) {
+      return stiffness * factor * device.of.position_resolution_m +
+             settings.parameters.damping_Ns_per_m * speed_m_per_s;
+    };
+    const auto swings = [&](double stiffness) {
+      return jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0});
+    };
+    const double stiffness = settings.parameters.stiffness_N_per_m;
+    const bool settles = settlesSoon(sampled, {gain * stiffness * factor, gain * settings.parameters.damping_Ns_per_m});
+    const std::vector<std::string> warnings = boundWarnings(settings, loop, device);
+    if (!settles) {
+      EXPECT_EQ(warnings.size(), 1U) << i;
+      continue;
+    }
+    ASSERT_EQ(warnings.empty(), !swings(stiffness)) << i;
+    EXPECT_EQ(mayShake(settings, loop, device), !warnings.empty()) << i;
+    if (warnings.empty()) {
+      ++fine;
+      undamped += jump_N(stiffness) > quiet_N ? 1 : 0;
+      continue;
+    }
+    ++stiff;
+    EXPECT_THAT(warnings[0], HasSubstr("so the contact may swing on"));
+    EXPECT_NEAR(numberAfter(warnings[0], "makes the force jump by "), jump_N(stiffness), 0.06 * jump_N(stiffness));
+    EXPECT_NEAR(numberAfter(warnings[0], "friction quiets "), quiet_N, 0.06 * quiet_N);
+    const double safe = numberAfter(warnings[0], "settles up to ");
+    EXPECT_FALSE(swings(safe * 0.999)) << warnings[0];
+    EXPECT_TRUE(swings(safe * 1.12)) << warnings[0];  // two digits
+  }
+  for (const int count : {stiff, fine, undamped}) EXPECT_GT(count, 15);
+}
+
+// A device that knows several hands is judged by the worst.
+class AnyHand final : public Device {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "any hand"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return {}; }
+  [[nodiscard]] std::vector<HandParameters> hands() const override {
+    std::vector<HandParameters> all;
+    for (const TypicalHand& hand : kTypicalHands) all.push_back(hand.holding({}));
+    return all;
+  }
+  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
 };
 
 TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {

@@ -16,6 +16,8 @@
 #include "apps/scene/scene.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "apps/servo_side/servo_host.hpp"
+#include "servo/devices/device.hpp"
+#include "servo/safety/safety_gate.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
 #include "tests/servo/support/seeded.hpp"
 #include "tests/support/refusal.hpp"
@@ -128,13 +130,17 @@ TEST(ServoCeilings, BoundTheCurrentOfEachBoard) {
   EXPECT_EQ(currentWithin(ceilings, boards({3, 6}), told.teller()), 3);
   EXPECT_EQ(currentWithin(ceilings, boards({6, 5}), told.teller()), 4);
   EXPECT_EQ(currentWithin(ceilings, boards({6, 0}), told.teller()), 0) << "nobody has said what the second one bears";
+  EXPECT_EQ(currentWithin(ceilings, boards({4, 6}), told.teller()), 4) << "the ceiling decides, where both agree";
   EXPECT_EQ(currentWithin(ceilings, boards({3, 4}), told.teller()), std::nullopt);
   EXPECT_EQ(currentWithin(ceilings, boards({0, 0}), told.teller()), std::nullopt);
   EXPECT_EQ(currentWithin({}, boards({3, 6}), told.teller()), std::nullopt);
   EXPECT_EQ(currentWithin(ceilings, *deviceKindNamed("spacemouse"), told.teller()), std::nullopt);
-  EXPECT_THAT(told.words, ElementsAre("the engine asks for a current limit of 6 A, and gets 3 A (--max-current)",
-                                      "the engine asks for a current limit of 6 A, and gets 4 A (--max-current)",
-                                      "the engine asks for a current limit of 6 A, and gets 0 A (--max-current)"));
+  const std::string asks = "the engine asks for a current limit of 6 A, and gets ";
+  EXPECT_THAT(told.words,
+              ElementsAre(asks + "3 A (the weakest board of this kind bears 3 A)", asks + "4 A (--max-current)",
+                          asks + "0 A (the table of this kind does not say what each board bears; give "
+                                 "--current-limit)",
+                          asks + "4 A (--max-current)"));
   for (unsigned seed = 0; seed < 1000; ++seed) {
     SCOPED_TRACE(seed);
     Seeded random(seed);
@@ -230,6 +236,33 @@ TEST(ServoCeilings, BoundTheLongestFadeThatAnEngineWaitsFor) {
     const double fade_s = given.fade_s + std::min(given.force_limit_N, 5.0) / given.slew_limit_N_per_s;
     EXPECT_LE(fade_s, longestFade_s(held())) << row.flag;
   }
+}
+
+// Of the device that the servo's process has told of. The loop's limits are the scene's: with half a newton at the
+// handle for one of the scene, 16 N and 2 N/s of the scene are 8 N and 1 N/s there.
+TEST(ServoCeilings, BoundTheLongestFadeOfADeviceThatIsThere) {
+  DeviceLimits limits;
+  limits.force_limit_N = 16;
+  limits.is_held = true;
+  SafetyParameters safety;
+  safety.slew_limit_N_per_s = 2;
+  EXPECT_EQ(longestFade_s(limits, 0.5, safety), 10 + 8);
+  limits.is_held = false;
+  limits.force_limit_N = 1000;
+  EXPECT_EQ(longestFade_s(limits, 1, safety), 10) << "it has no hand to bring to rest";
+}
+
+// However weak the forces and slow the slew that are asked for: one that hangs is given up after a minute.
+TEST(ServoCeilings, NobodyWaitsForMoreThanAMinute) {
+  Scene scene = held();
+  scene.slew_limit_N_per_s = 1;
+  scene.force_scale = 0.001;
+  EXPECT_EQ(longestFade_s(scene), kMostFade_s);
+  DeviceLimits limits;
+  limits.force_limit_N = 1000;
+  limits.is_held = true;
+  EXPECT_EQ(longestFade_s(limits, 1, SafetyParameters{}), kMostFade_s);
+  EXPECT_EQ(longestFade_s(50, 10, 1), kMostFade_s) << "all that a ceiling may ask for an arm of 50 N";
 }
 
 // A servo's side in a thread, and an engine that asks for 8 N when it makes the device and the loop, and for 50 N

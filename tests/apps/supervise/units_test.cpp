@@ -2,16 +2,23 @@
 // The units in share/systemd/user: what they must say for the service to work as docs/service.md has it, and that
 // systemd itself takes them. (Whether the verbs that they start exist is tested with the program.)
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
+#include "apps/devices/device_table.hpp"
+#include "apps/scene/scene.hpp"
+#include "apps/servo_side/servo_ceilings.hpp"
+#include "apps/supervise/hopeless_statuses.hpp"
 #include "temporary_folder.hpp"
 
 namespace palpate {
@@ -57,6 +64,37 @@ TEST(Units, SayWhatTheyStart) {
               AllOf(Contains(Pair("Service.ExecStart", "palpate servo --connect %t/palpate/service.sock")),
                     Contains(Pair("Service.Restart", "always")), Contains(Pair("Unit.StartLimitIntervalSec", "0")),
                     Contains(Pair("Service.LimitRTPRIO", "95")), Contains(Pair("Service.LimitMEMLOCK", "infinity"))));
+}
+
+// What systemd starts again is what `palpate serve --supervise` starts again: a servo whose ceilings cannot be read
+// would else be started ten times a second for ever.
+TEST(Units, StartNothingAgainThatIsHopeless) {
+  const auto listOf = [](const std::vector<int>& statuses) { return fmt::format("{}", fmt::join(statuses, " ")); };
+  EXPECT_THAT(settingsOf("palpate-engine.service"),
+              Contains(Pair("Service.RestartPreventExitStatus", listOf(hopelessForEngine()))));
+  EXPECT_THAT(settingsOf("palpate-servo.service"),
+              Contains(Pair("Service.RestartPreventExitStatus", listOf(hopelessForServo()))));
+}
+
+// A servo that is killed while its force fades drops what is left of it. So systemd waits at least as long as
+// `palpate serve --supervise` does, for each kind of device and whatever a scene asks for.
+TEST(Units, WaitForTheServosLongestFade) {
+  const std::string wait = settingsOf("palpate-servo.service")["Service.TimeoutStopSec"];
+  ASSERT_TRUE(wait.ends_with("s") && !wait.ends_with("ms")) << wait;
+  const double wait_s = std::stod(wait);
+  EXPECT_GE(wait_s, kServosEnd_s + kMostFade_s);
+  int kinds = 0;
+  for (const DeviceKind& kind : deviceKinds({})) {
+    SCOPED_TRACE(kind.name);
+    Scene scene;
+    scene.device = kind.name;
+    EXPECT_LE(kServosEnd_s + longestFade_s(scene), wait_s);
+    scene.slew_limit_N_per_s = 1;
+    scene.force_scale = 0.001;
+    EXPECT_LE(kServosEnd_s + longestFade_s(scene), wait_s);
+    ++kinds;
+  }
+  EXPECT_GT(kinds, 0);
 }
 
 // A servo that is stopped or restarted with its engine would drop the force of a hand in contact.

@@ -68,7 +68,7 @@ TEST(RunNotes, TellOfEncodersThatAreFelt) {
   EXPECT_FALSE(noteOnEncoders(scene, steps(0.2e-3)));
 }
 
-// texture.hpp: at most 0.276 wavelengths.
+// texture.hpp: at most 0.138 wavelengths.
 TEST(RunNotes, TellOfATextureThatIsCutOff) {
   Scene scene;
   scene.texture_amplitude_m = 1e-3;
@@ -76,8 +76,8 @@ TEST(RunNotes, TellOfATextureThatIsCutOff) {
   EXPECT_FALSE(noteOnTexture(scene));
   scene.texture = "procedural";
   EXPECT_THAT(noteOnTexture(scene).value_or(""),
-              HasSubstr("amplitude is 0.276 mm instead of 1 mm: a wavelength of 1 mm holds no more"));
-  scene.texture_amplitude_m = 0.27e-3;
+              HasSubstr("amplitude is 0.138 mm instead of 1 mm: a wavelength of 1 mm holds no more"));
+  scene.texture_amplitude_m = 0.137e-3;
   EXPECT_FALSE(noteOnTexture(scene));
 }
 

@@ -56,6 +56,25 @@ TEST(EditLead, IsGoneInTimeAfterTheLastOfManyEdits) {
   }
 }
 
+TEST(EditLead, StaysWithinItsBound) {
+  EditLead<double> lead(1000);
+  lead.take(-3);
+  lead.bound(4);
+  EXPECT_NEAR(lead.elapse(), -3 + 3.0 / 500, 1e-12);
+  lead.bound(1);
+  EXPECT_NEAR(lead.elapse(), -1 + 3.0 / 500, 1e-12);  // as fast as before
+  lead.bound(-1);
+  EXPECT_FALSE(lead.active());
+  EXPECT_EQ(lead.elapse(), 0);
+}
+
+TEST(EditLead, TakesNothingThatIsNotFinite) {
+  EditLead<Vec3> lead(1000);
+  lead.take(Vec3(0, std::nan(""), 0));
+  EXPECT_FALSE(lead.active());
+  EXPECT_EQ(lead.elapse(), Vec3::Zero());
+}
+
 TEST(EditLead, EndsAtOnce) {
   EditLead<Mat3> lead(1000);
   lead.take(Mat3::Identity());

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "contact/energy_cycles.hpp"
+#include "servo/contact/energy_account.hpp"
 
 namespace palpate {
 namespace effects_energy_test {
@@ -105,7 +106,11 @@ void expectNothingGiven(const Condition& condition) {
             // A table may leave next to nothing of K: then of a hundredth of what the plane stores.
             const double stored_J = std::max(cycle.stored_J, 1e-2 * plane.stored_J);
             ASSERT_GT(stored_J, 0);
-            EXPECT_LE(cycle.given_J, kShareOfStored * stored_J + largestFactor(p) * plane.given_J)
+            // Where an effect has no potential, as stiffness by density beside borders, the account acts a tick late:
+            // by the work of one tick's force. On exact samples with short steps nothing is left of that.
+            const bool acts_late = condition.noise > 0 && (a == kStiffness || b == kStiffness);
+            const double late_J = acts_late ? cycle.largest_N * step_m : 0;
+            EXPECT_LE(cycle.given_J, kShareOfStored * stored_J + largestFactor(p) * plane.given_J + late_J)
                 << condition.name << ": " << kNames[a] << " and " << kNames[b] << " on a " << body.name << ", lattice "
                 << lattice << ", seed " << seed;
             largest = std::max(largest, (cycle.given_J - largestFactor(p) * plane.given_J) / stored_J);
@@ -136,9 +141,10 @@ TEST(EffectsEnergy, WithPlanesRenewedSeldomNoMoreIsGivenThanByThem) {
 }
 
 // On a plane, which samples hold exactly, the potentials are exact: what is given is a hundredth of what the account
-// would let pass.
+// would let pass. Stiffness by density has none in a deep press.
 TEST(EffectsEnergy, OnAPlaneEveryPotentialIsExact) {
   for (int a = 0; a < kEffects; ++a) {
+    if (a == kStiffness) continue;
     for (int lattice = 0; lattice < 3; ++lattice) {
       Dice dice(77 + static_cast<std::uint32_t>(3 * a + lattice));
       const EnergyBody body = EnergyBody::plane(dice);
@@ -153,7 +159,8 @@ TEST(EffectsEnergy, OnAPlaneEveryPotentialIsExact) {
 }
 
 // Steps half as long make the force's steps half as long: there is no jump in it. Friction slips, and sticks, by jumps
-// of the friction force alone; it is left out.
+// of the friction force alone; it is left out. Beside borders stiffness by density owes the account energy, whose drag
+// comes by a tenth a tick, however long the steps are.
 TEST(EffectsEnergy, TheForceIsContinuous) {
   for (const Effect effect : {kShading, kRecovery, kProcedural, kDensity, kStiffness}) {
     for (int lattice = 0; lattice < 3; ++lattice) {
@@ -168,7 +175,9 @@ TEST(EffectsEnergy, TheForceIsContinuous) {
           p.texture_wavelength_m = std::max(p.texture_wavelength_m, 1e-3);
           cycles[fine] = energyOf(volume, randomCycle(body, dice, fine == 0 ? 10e-6 : 5e-6), p, 1, 1000);
         }
-        EXPECT_LE(cycles[1].largest_step_N, 0.55 * cycles[0].largest_step_N) << kNames[effect] << " " << lattice;
+        const double drag_N = EnergyAccount::kShare * EnergyAccount::kMostDrag * kEnergyStiffness * 4e-3;
+        EXPECT_LE(cycles[1].largest_step_N, 0.55 * cycles[0].largest_step_N + (effect == kStiffness ? drag_N : 0))
+            << kNames[effect] << " " << lattice;
       }
     }
   }

@@ -423,9 +423,30 @@ TEST(Effects, StiffenTheContactByNoMoreThanTheySay) {
   EXPECT_NEAR(mostStiffening(p), 2 / std::sqrt(3.0), 1e-5);
   p.stiffness_by_density = {{0, 0.25}, {1, 0.5}};
   EXPECT_NEAR(mostStiffening(p), 2 / std::sqrt(3.0), 1e-5);  // objects keep all of K
-  EXPECT_FALSE(holdAside(p));
+}
+
+// Friction holds by K; a texture by K for its bend and 0.54 K for its slope; both by more where the ground is hard, by
+// its factor. A border between two materials holds by K.
+TEST(Effects, HoldAsideByAsMuchAsTheyState) {
+  EffectParameters p;
+  EXPECT_EQ(mostStiffeningAside(p), 0);
+  p.force_shading = true;
+  p.recovery_s = 0.1;
+  EXPECT_EQ(mostStiffeningAside(p), 0);
+  p.stiffness_by_density = {{0, 2}};
+  EXPECT_EQ(mostStiffeningAside(p), 0);  // the same everywhere
+  p.stiffness_by_density = {{0, 0.5}, {1, 2}};
+  EXPECT_EQ(mostStiffeningAside(p), 1);
+  p.texture = TextureKind::kProcedural;
+  EXPECT_NEAR(mostStiffeningAside(p), 1 + 2 * 1.54, 0.01);
+  p.texture_amplitude_m = 0;
+  EXPECT_EQ(mostStiffeningAside(p), 1);
   p.friction.static_ratio = 0.1;
-  EXPECT_TRUE(holdAside(p));
+  EXPECT_EQ(mostStiffeningAside(p), 1 + 2);
+  p.texture_amplitude_m = 1e-3;
+  EXPECT_NEAR(mostStiffeningAside(p), 1 + 2 * 2.54, 0.01);
+  p = {.texture = TextureKind::kDensity};
+  EXPECT_NEAR(mostStiffeningAside(p), 1.54, 0.01);
 }
 
 TEST(Effects, TexturesByName) {

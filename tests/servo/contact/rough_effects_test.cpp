@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <list>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -184,11 +185,15 @@ TEST(RoughShading, PointsNearerToTheTruth) {
   }
 }
 
-// On the exact ball the texture is what its formula says at the surface point under the tool: d = D' N - D' s R / (R -
-// D) grad h, within 5 % of D'. The sampled surface errs by samplingBound() and the plane, up to n ticks old, by
-// kMostTurned.
+// On the exact ball the texture is what its formula says at the surface point under the tool, within 5 % of D': d = D'
+// (1 + h s') N less D' s times grad h, which the curvature makes R / (R - D) times as steep. The sampled surface errs
+// by samplingBound() and the plane, up to n ticks old, by kMostTurned.
 TEST(RoughEffectsOnTheExactBall, TheTextureIsThatOfTheFormula) {
-  const ProceduralTexture texture(0.1e-3, 1e-3);
+  const double amplitude_m = 0.1e-3, wavelength_m = 1e-3;
+  const ProceduralTexture texture(amplitude_m, wavelength_m);
+  // texture.hpp: how the share falls beyond 2A.
+  const double most_m = 3 / (amplitude_m * std::pow(2 * std::numbers::pi / wavelength_m, 2));
+  const double fall_m = std::sqrt(std::pow(most_m - amplitude_m, 2) - std::pow(2 * amplitude_m, 2));
   for (const double depth_m : {1e-3, 3e-3, 6e-3}) {
     const Ground ground(false, 5);
     const AnalyticVolume exact = stored(volumeOf(ground, ground.surface(), 0, 5));
@@ -208,8 +213,11 @@ TEST(RoughEffectsOnTheExactBall, TheTextureIsThatOfTheFormula) {
       for (int axis = 0; axis < 3; ++axis)
         slope_W[axis] = (height(p_W + kQ * Vec3::Unit(axis)) - height(p_W - kQ * Vec3::Unit(axis))) / (2 * kQ);
       slope_W -= n_W * n_W.dot(slope_W);
-      const double raised_m = depth_m + height(p_W);  // deeper than 2 A: all of it is felt
-      const Vec3 wanted_W = raised_m * n_W - raised_m * kRadius / (kRadius - depth_m) * slope_W;
+      const double x = (depth_m - 2 * amplitude_m) / fall_m, share = std::pow(1 + x * x, -0.5);
+      const double share_per_m = -x * std::pow(share, 3) / fall_m;
+      const double raised_m = depth_m + share * height(p_W);
+      const Vec3 wanted_W =
+          raised_m * (1 + height(p_W) * share_per_m) * n_W - raised_m * share * kRadius / (kRadius - depth_m) * slope_W;
       const Vec3 d_W = driver.at(hip_W).force_W / 500;
       ASSERT_LE((d_W - wanted_W).norm(), 0.05 * raised_m) << depth_m << " " << way_m;
     }

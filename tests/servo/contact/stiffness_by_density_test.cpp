@@ -9,6 +9,7 @@
 #include "servo/algorithms/hri.hpp"
 #include "support/algorithm_driver.hpp"
 #include "support/analytic_volume.hpp"
+#include "support/sampled_volume.hpp"
 
 namespace palpate {
 namespace stiffness_by_density_test {
@@ -106,9 +107,9 @@ TEST_F(StiffnessByDensityTest, BeyondTheWindowTheLastFactorHolds) {
   EXPECT_NEAR(factor(contact, {40e-3, 30e-3, kLevel}), 1.5, 1e-12);
 }
 
-// The factor rises by 4 a metre of density, which rises by 1 a metre along x: F = K f D N - K / 2 D^2 grad f,
-// everywhere and whatever the lattice. Samples are floats of some 0.1: 1e-8 of a metre, 4e-7 of the factor's slope over
-// a voxel.
+// The factor rises by 4 a metre of density, which rises by 1 a metre along x: F = K f D N - K / 2 D^2 grad f, the last
+// divided by 1 + D^2 / 2 b with b the bend at a border of the table's range of 2, everywhere and whatever the lattice.
+// Samples are floats of some 0.1: 1e-8 of a metre, 4e-7 of the factor's slope over a voxel.
 TEST(StiffnessByDensity, OnALevelSlopeTheForceIsTheClosedForm) {
   const Vec3 up = Vec3(0.2, -0.3, 0.9).normalized();
   const Vec3 along = (Vec3::UnitX() - up * up.x()).normalized();
@@ -133,10 +134,44 @@ TEST(StiffnessByDensity, OnALevelSlopeTheForceIsTheClosedForm) {
     for (const double way_m : {-1e-3, 0.0, 0.7e-3}) {
       const Vec3 hip = middle + way_m * along - kDepth * up;
       const double factor = 1 + 4 * way_m;
-      const Vec3 d = factor * kDepth * up - 0.5 * kDepth * kDepth * 4 * along;
+      const double stored_m2 = 0.5 * kDepth * kDepth;
+      const double bend_per_m2 = 2 * LatticeSpline::kBorderBend / std::pow(volume.lattice.smallestSpacing(), 2);
+      const Vec3 d = factor * kDepth * up - stored_m2 / (1 + stored_m2 * bend_per_m2) * 4 * along;
       EXPECT_NEAR((contact.at(hip) - hip - d).norm(), 0, 1e-4 * 0.5 * kDepth * kDepth * 4 + 1e-6 * kDepth) << kind;
     }
   }
+}
+
+// Beside a border between two materials the tool is held along the surface by K at most, however deep it is and however
+// the border lies.
+TEST(StiffnessByDensity, HoldsTheToolAlongTheSurfaceByNoMoreThanTheStiffness) {
+  Seeded random(15);
+  double most = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 across = random.direction();
+    AnalyticVolume volume = millimetreVolume([&](const Vec3& p) { return across.dot(p) > 0 ? 1.0 : 0.0; }, 16);
+    volume.lattice = latticeAround(random.inCube(0.5e-3), volume.size, Vec3::Constant(1e-3));
+    HeldWindow held;
+    volume.hold(held, Vec3i::Zero(), volume.size);
+    StiffnessByDensity effect(StiffnessTable({{0, random.between(0, 1)}, {1, random.between(1, 10)}}), 1000);
+    for (int j = 0; j < 30; ++j) {
+      const Vec3 up = random.direction(), way = random.across(up);
+      const Vec3 at_W = random.inCube(2e-3) + StiffnessByDensity::kBelow * 1e-3 * up;
+      PlaneContact contact(effect);
+      contact.plane_T = {at_W, up, 0};
+      contact.window = &held.window;
+      contact.plane_is_felt = true;
+      const double q = 1e-9;
+      const Vec3 hip = at_W - random.logBetween(0.05e-3, 10e-3) * up;
+      const Vec3 change = contact.at(hip - q * way) - contact.at(hip + q * way) + 2 * q * way;
+      const double stiffness = change.dot(way) / (2 * q);
+      // The factor itself is of the normal alone: along the surface the plane gives no force.
+      ASSERT_LE(stiffness, 1 + 1e-5) << i << " " << j;
+      most = std::max(most, stiffness);
+      contact.leave();
+    }
+  }
+  EXPECT_GT(most, 0.3);
 }
 
 // How deep it looks is by how far a voxel blurs a border that lies so: 2.5 sides along an axis of the lattice.

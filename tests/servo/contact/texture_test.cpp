@@ -10,6 +10,7 @@
 
 #include "contact/plane_contact.hpp"
 #include "support/analytic_volume.hpp"
+#include "support/seeded.hpp"
 
 namespace palpate {
 namespace texture_test {
@@ -109,11 +110,19 @@ TEST(ProceduralTexture, PushesDownTheSlopeOfWhatItStores) {
   ProceduralTexture texture(kAmplitude, kWavelength);
   PlaneContact contact(texture);
   const double q = 0.1e-6;
+  // texture.hpp: the share falls beyond 2A, so that D' times the bend of h stays below 1.
+  const double k_per_m = 2 * std::numbers::pi / kWavelength, most_m = 3 / (kAmplitude * k_per_m * k_per_m);
+  const double fall_m = std::sqrt(std::pow(most_m - kAmplitude, 2) - std::pow(2 * kAmplitude, 2));
   for (const Vec3& hip : wander(1000)) {
     const Vec3 flat(hip.x(), hip.y(), 0);
     const double depth_m = -hip.z();
     const double u = std::min(1.0, depth_m / (2 * kAmplitude));
-    const double share = u * (2 - u), share_per_m = (1 - u) / kAmplitude;
+    double share = u * (2 - u), share_per_m = (1 - u) / kAmplitude;
+    if (u == 1) {
+      const double x = (depth_m - 2 * kAmplitude) / fall_m;
+      share = std::pow(1 + x * x, -0.5);
+      share_per_m = -x * std::pow(1 + x * x, -1.5) / fall_m;
+    }
     const double height_m = texture.height(flat);
     const double raised_m = depth_m + share * height_m;
     const auto slope = [&](const Vec3& way) {
@@ -126,19 +135,44 @@ TEST(ProceduralTexture, PushesDownTheSlopeOfWhatItStores) {
   }
 }
 
-// A hand feels a slope of 1 at most, whatever amplitude is asked for; and nearly that.
+// A hand feels a slope of one half at most, whatever amplitude is asked for; and nearly that.
 TEST(ProceduralTexture, IsNoSteeperThanStated) {
   ProceduralTexture texture(1, kWavelength);
-  EXPECT_NEAR(texture.amplitude(), kSteepest * std::sqrt(3.0) / (2 * std::numbers::pi) * kWavelength, 1e-15);
+  const double amplitude_m = std::sqrt(3.0) / (4 * std::numbers::pi) * kWavelength;
+  EXPECT_NEAR(texture.amplitude(), amplitude_m, 1e-15);
+  constexpr double kSteepest = 0.5;
   PlaneContact contact(texture);
   double steepest = 0;
   for (int i = 0; i < 200'000; ++i) {
-    const Vec3 hip(0.0371e-3 * i, 0.0193e-3 * i, -kDepth);
+    const Vec3 hip(0.0371e-3 * i, 0.0193e-3 * i, -2 * amplitude_m);
     const Vec3 d = contact.at(hip) - hip;
     steepest = std::max(steepest, std::hypot(d.x(), d.y()) / d.z());
   }
   EXPECT_LE(steepest, kSteepest);
   EXPECT_GT(steepest, 0.8 * kSteepest);
+}
+
+// Along the surface a texture holds the tool by at most K for its bend and K times its slope squared, however deep the
+// tool is: differences of d over a nanometre. Without that a deep press is held tenfold, without damping.
+TEST(ProceduralTexture, HoldsTheToolAlongTheSurfaceByLittleMoreThanTheStiffness) {
+  Seeded random(12);
+  double most = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    const double wavelength_m = random.logBetween(0.3e-3, 5e-3);
+    ProceduralTexture texture(random.logBetween(1e-6, 1e-3), wavelength_m);
+    const double bend_per_m = texture.amplitude() * std::pow(2 * std::numbers::pi / wavelength_m, 2) / 3;
+    const double slope = bend_per_m * wavelength_m / (2 * std::numbers::pi) * std::sqrt(3.0);
+    const Vec3 hip(random.between(0, 10e-3), random.between(0, 10e-3), -random.logBetween(1e-6, 20e-3));
+    const double angle = random.between(0, std::numbers::pi), q = 1e-9;
+    const Vec3 way(std::cos(angle), std::sin(angle), 0);
+    PlaneContact contact(texture);
+    const Vec3 change = contact.at(hip - q * way) - contact.at(hip + q * way) + 2 * q * way;
+    const double stiffness = change.dot(way) / (2 * q);
+    ASSERT_LE(stiffness, 1 + slope * slope + 1e-5) << i;
+    most = std::max(most, stiffness);
+  }
+  EXPECT_GT(most, 0.7);
+  EXPECT_LE(most, 1 + kSteepestTexture * kSteepestTexture);
 }
 
 // D' is 0 where the depth is, never negative and at most 2D, and 1 + h s' is from 0 to 2: so contact begins and ends
@@ -169,21 +203,24 @@ const Vec3 kSurface(16e-3, 16e-3, 16e-3);  // a sample
 
 class DensityTextureTest : public testing::Test {
  protected:
-  // Height of the texture above a point of a level surface, 1 mm deep.
+  // Height of the texture above a point of a level surface.
   double height(std::function<double(const Vec3&)> density, const Vec3& surface_W, double amplitude_m = 0.5e-3,
                 double gain = 1) {
     volume_ = millimetreVolume(std::move(density), 32);
     volume_.hold(held_, Vec3i::Zero(), volume_.size);
     DensityTexture texture(amplitude_m, gain, 1000);
-    return heightOf(texture, surface_W);
+    return heightOf(texture, surface_W, amplitude_m);
   }
-  double heightOf(DensityTexture& texture, const Vec3& surface_W) {
+  // 2A deep, where all of it is felt.
+  double heightOf(DensityTexture& texture, const Vec3& surface_W, double amplitude_m = 0.5e-3) {
     PlaneContact contact(texture);
     contact.plane_T.p_W = surface_W;
     contact.window = &held_.window;
     contact.plane_is_felt = true;
-    contact.at(surface_W - kDepth * Vec3::UnitZ());
-    return std::sqrt(2 * contact.push.energy_m2) - kDepth;  // deeper than 2A, where all of it is felt
+    const double side_m = volume_.lattice.smallestSpacing();
+    const double depth_m = 2 * std::min(amplitude_m, DensityTexture::kWidest * side_m);
+    contact.at(surface_W - depth_m * Vec3::UnitZ());
+    return std::sqrt(2 * contact.push.energy_m2) - depth_m;
   }
 
   AnalyticVolume volume_;
@@ -257,6 +294,34 @@ TEST_F(DensityTextureTest, IsCutOffAtTheAmplitude) {
   EXPECT_NEAR(height(striped, kSurface + Vec3(kVoxel, 0, 0), kAmplitude, 1e6), -0.5 * kAmplitude, 1e-17);
   // An amplitude that would be too steep for the voxels is made smaller.
   EXPECT_NEAR(height(striped, kSurface, 5e-3, 1e6), 0.5 * DensityTexture::kWidest * kVoxel, 1e-17);
+}
+
+// As the procedural texture, whatever the samples are: here as rough as they can be, on voxels of any shape.
+TEST_F(DensityTextureTest, HoldsTheToolAlongTheSurfaceByLittleMoreThanTheStiffness) {
+  Seeded random(14);
+  double most = 0;
+  for (int i = 0; i < 60; ++i) {
+    volume_ = millimetreVolume([&](const Vec3& p) { return 1e-3 * random.pick(2) + 1e-6 * p.z(); }, 12);
+    volume_.lattice.spacing_m = Vec3(random.between(0.3e-3, 1e-3), random.between(0.3e-3, 1e-3), 1e-3);
+    volume_.hold(held_, Vec3i::Zero(), volume_.size);
+    DensityTexture texture(random.logBetween(1e-6, 1e-3), 1e6, 1000);
+    for (int j = 0; j < 60; ++j) {
+      const Vec3 at_W = volume_.lattice.toWorld(Vec3::Constant(6) + random.inCube(4));
+      const double angle = random.between(0, std::numbers::pi), q = 1e-9;
+      const Vec3 way(std::cos(angle), std::sin(angle), 0);
+      PlaneContact contact(texture);
+      contact.plane_T.p_W = at_W;
+      contact.window = &held_.window;
+      contact.plane_is_felt = true;
+      const Vec3 hip = at_W - random.logBetween(1e-5, 10e-3) * Vec3::UnitZ();
+      const Vec3 change = contact.at(hip - q * way) - contact.at(hip + q * way) + 2 * q * way;
+      const double stiffness = change.dot(way) / (2 * q);
+      // Where the quadratic spline goes over to the next one between both places the change is between theirs.
+      ASSERT_LE(stiffness, 1 + kSteepestTexture * kSteepestTexture + 1e-5) << i << " " << j;
+      most = std::max(most, stiffness);
+    }
+  }
+  EXPECT_GT(most, 0.3);
 }
 
 TEST_F(DensityTextureTest, ThereIsNoneWhereNothingIsKnown) {

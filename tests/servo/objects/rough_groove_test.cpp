@@ -122,6 +122,31 @@ TEST(RoughGroove, TheLastOneIsForgotten) {
   EXPECT_GT(b.back().force_W.norm(), 0.5);
 }
 
+// Out of the groove and off the slope before the force has gone over to the volume's alone. What is not gone over never
+// pulls, and ends with the depth: the contact ends as softly as the tool goes, 0.1 mm a tick of 500 N/m, doubled by a
+// plane that was felt twice as deep.
+TEST(RoughGroove, LiftedOutOfBeforeItIsForgottenTheContactEndsSoftly) {
+  int lifted = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    Corner corner(seed);
+    corner.to(0, -8, -2, 50);
+    corner.to(0, 0, -2, 80);
+    corner.to(-1.5, 0, -0.3, 25);
+    Vec3 last_W = Vec3::Zero();
+    bool was_in_contact = true;
+    for (const TickOutput& out : corner.to(-1.5 + 0.6 * 8, 0, -0.3 + 0.8 * 8, 80)) {
+      ASSERT_GE(out.force_W.dot(Vec3(0.6, 0, 0.8)), -1e-12) << seed;
+      if (was_in_contact && !out.in_contact) {
+        ++lifted;
+        EXPECT_LE(last_W.norm(), 2 * 500 * 0.1e-3 + 1e-9) << seed;
+      }
+      was_in_contact = out.in_contact;
+      last_W = out.force_W;
+    }
+  }
+  EXPECT_GE(lifted, 25);
+}
+
 // From the groove up the volume's slope, where the wall is soon far away: the force goes over to the one of the volume
 // alone by no more in a tick than on the slope without any wall.
 TEST(RoughGroove, IsLeftWithoutAJump) {

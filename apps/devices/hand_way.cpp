@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/devices/hand_way.hpp"
+#include "apps/devices/hand_way.hpp"
 
 #include <array>
 #include <cstddef>
@@ -14,7 +14,9 @@ HandWay handWay(const Vec3& way_D) noexcept {
 }
 
 bool isAsked(const HandWay& way, int axis) noexcept {
-  constexpr double kShortest = 0.6, kLongest = 1.6;  // of what was asked
+  // Of what was asked. A user who has no ruler at hand may be off by half. Narrower bounds refuse the arm of such a
+  // user; wider ones take more arms with other links for it (FindsArmsThatAreNamedAsAnother in motor_check_test.cpp).
+  constexpr double kShortest = 0.6, kLongest = 1.6;
   return way.axis == axis && way.positive && way.length_m >= kShortest * kAsked_m &&
          way.length_m <= kLongest * kAsked_m;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/devices/hand_way.hpp"
+#include "apps/devices/hand_way.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/seeded.hpp"
+#include "tests/servo/support/seeded.hpp"
 
 namespace palpate {
 namespace hand_way_test {
