@@ -154,6 +154,22 @@ TEST(PointerPath, LeapsWhereItIsPut) {
 }
 
 // Aims came after it before the path looked.
+// Each aim tells of the last leap; the tool is put there only once.
+TEST(PointerPath, MakesALeapOnce) {
+  Led led(Vec3::Zero());
+  const PointerPath& path = led.path;
+  led.pointer.aim(PointerTarget(Vec3(0.1, 0, 0), Vec3(0.09, 0, 0)));
+  EXPECT_EQ(path.position(1e-3), Vec3(0.09, 0, 0));
+  Vec3 last_W = path.position(2e-3);
+  for (int tick = 3; tick < 200; ++tick) {
+    led.pointer.aim(Vec3(0.1 + 1e-5 * tick, 0, 0));
+    const Vec3 now_W = path.position(tick * 1e-3);
+    ASSERT_GE(now_W.x(), last_W.x()) << tick;
+    last_W = now_W;
+  }
+  EXPECT_EQ(path.leaps(), 1U);
+}
+
 TEST(PointerPath, OverlooksNoLeap) {
   Led led(Vec3::Zero());
   led.pointer.aim(PointerTarget(Vec3(1, 0, 0), Vec3(2, 0, 0)));
