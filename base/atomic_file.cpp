@@ -7,11 +7,11 @@
 #include <cstring>
 #include <utility>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/durable_io.hpp"
 #include "base/error.hpp"
-#include "base/part_file.hpp"
 
 namespace palpate {
 namespace {
@@ -50,6 +50,16 @@ fs::path throughLinks(fs::path name) {
   return name;
 }
 
+// Before the first byte. Where the old file's group may not be given, what it allowed the group is not allowed to
+// another one.
+void keepRightsOf(const fs::path& replaced, int descriptor) {
+  struct stat old {
+  }, made{};
+  if (stat(replaced.c_str(), &old) != 0 || fstat(descriptor, &made) != 0) return;
+  const bool same_group = old.st_gid == made.st_gid || fchown(descriptor, static_cast<uid_t>(-1), old.st_gid) == 0;
+  static_cast<void>(fchmod(descriptor, old.st_mode & (same_group ? 0777U : 0707U)));
+}
+
 // A stream of a process, as /dev/stdout: it leads to a file that others write to.
 bool isStream(const fs::path& name) {
   const std::string text = name.string();
@@ -59,7 +69,7 @@ bool isStream(const fs::path& name) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(fs::path target) : name_(std::move(target)) {
+AtomicFile::AtomicFile(fs::path target, Rights rights) : name_(std::move(target)) {
   std::error_code error;
   const auto status = fs::status(name_, error);
   if (error.value() == ELOOP) fail("its symbolic links go round in a circle", ELOOP);
@@ -72,10 +82,11 @@ AtomicFile::AtomicFile(fs::path target) : name_(std::move(target)) {
                 "write to a file, and print that");
   }
   target_ = throughLinks(name_);
-  PartFile part = openPartFile(target_);
+  PartFile part = openPartFile(target_, rights);
   if (part.descriptor < 0) fail("cannot be created", part.error);
   temporary_ = std::move(part.name);
   descriptor_ = part.descriptor;
+  keepRightsOf(target_, descriptor_);
   leftover_ = std::move(part.leftover);
 }
 
@@ -137,8 +148,8 @@ void checkOutputsDiffer(std::initializer_list<fs::path> outputs) {
   }
 }
 
-void writeFileAtomically(const fs::path& target, std::string_view text) {
-  AtomicFile file(target);
+void writeFileAtomically(const fs::path& target, std::string_view text, Rights rights) {
+  AtomicFile file(target, rights);
   file.write(text);
   file.commit();
 }

@@ -6,6 +6,8 @@
 // an older target stays as it was.
 // A killed process leaves its temporary file behind. The next writer of the target removes it (base/part_file.hpp).
 // If the target is a symbolic link, it stays one. The file that it points at is written, or made if it is missing.
+// Who may read and write a file that is replaced may do so afterwards: its mode stays, and its group where this process
+// may give it. A new file has the rights that its writer names.
 // Thread: set-up code, one thread per object. Cost: reading the folder's names, a system call for each 64 KiB, and
 // waiting for the disk in commit(). At a file size limit the system kills the process with SIGXFSZ. A process that
 // ignores that signal gets an Error instead.
@@ -18,6 +20,7 @@
 #include <string_view>
 
 #include "base/leftover.hpp"
+#include "base/part_file.hpp"
 
 namespace palpate {
 
@@ -25,7 +28,7 @@ class AtomicFile {
  public:
   // Refuses (Error kIo): a folder that is missing or may not be written; a target that is there but is no plain file,
   // or is a stream (/dev/stdout); links that go round in a circle.
-  explicit AtomicFile(std::filesystem::path target);
+  explicit AtomicFile(std::filesystem::path target, Rights rights = Rights::kUsual);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -57,6 +60,6 @@ void checkWritable(const std::filesystem::path& target);
 void checkOutputsDiffer(std::initializer_list<std::filesystem::path> outputs);
 
 // Writes the whole of `text` and commits it.
-void writeFileAtomically(const std::filesystem::path& target, std::string_view text);
+void writeFileAtomically(const std::filesystem::path& target, std::string_view text, Rights rights = Rights::kUsual);
 
 }  // namespace palpate

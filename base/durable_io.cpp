@@ -4,6 +4,7 @@
 #include <cerrno>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace palpate {
@@ -41,10 +42,17 @@ std::vector<fs::path> parentsOfNewLevels(const fs::path& folder) {
   return parents;
 }
 
-int makeFolder(const fs::path& folder) {
+int makeFolder(const fs::path& folder, Rights rights) {
   const std::vector<fs::path> parents = parentsOfNewLevels(folder);
   std::error_code error;
-  fs::create_directories(folder, error);
+  if (rights == Rights::kPrivate) {
+    fs::path level;
+    for (const fs::path& name : folder) {
+      level /= name;
+      if (!name.empty() && mkdir(level.c_str(), 0700) != 0 && errno != EEXIST) return errno;
+    }
+  }
+  fs::create_directories(folder, error);  // what is there already is a folder, or the error says what it is
   if (error) return error.value();
   for (const fs::path& parent : parents) {
     if (const int unflushed = flushFolder(parent); unflushed != 0) return unflushed;

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/part_file.hpp"
+
 namespace palpate {
 
 // Writes all bytes, in as many system calls as it takes. After an error some of the bytes may have been written.
@@ -19,8 +21,9 @@ namespace palpate {
 [[nodiscard]] int flushFolder(const std::filesystem::path& folder);
 
 // Makes a folder with all missing levels above it, and flushes the parent of each new level. Existing folders are left
-// alone. After an error some levels may have been made. Cost: waiting for the disk, once for each new level.
-[[nodiscard]] int makeFolder(const std::filesystem::path& folder);
+// alone, their rights too. After an error some levels may have been made. Cost: waiting for the disk, once for each new
+// level.
+[[nodiscard]] int makeFolder(const std::filesystem::path& folder, Rights rights = Rights::kUsual);
 
 // The folders that makeFolder() would flush: the parent of each missing level, outermost first.
 [[nodiscard]] std::vector<std::filesystem::path> parentsOfNewLevels(const std::filesystem::path& folder);

@@ -10,6 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/crc32c.hpp"
 #include "base/file_lock.hpp"
 
 namespace palpate {
@@ -34,6 +35,16 @@ std::string_view targetOf(std::string_view name) {
   const bool is_number =
       isNumber(number.substr(0, dash)) && (dash == std::string_view::npos || isNumber(number.substr(dash + 1)));
   return is_number ? name.substr(0, dot) : std::string_view();
+}
+
+// What stands for a target in the names of its part files. File systems take names of up to 255 bytes; what is added to
+// it, ".PID-N.palpate-part", takes 25 at most.
+std::string stemOf(const std::string& target) {
+  constexpr std::size_t kLongest = 255 - 25, kKept = 200;
+  if (target.size() <= kLongest) return target;
+  std::size_t kept = kKept;
+  while (kept > 0 && (static_cast<unsigned char>(target[kept]) & 0xC0U) == 0x80U) --kept;  // between UTF-8 characters
+  return fmt::format("{}~{:08x}", target.substr(0, kept), crc32c(target));
 }
 
 bool isPlainFile(int descriptor) {
@@ -65,16 +76,17 @@ void sweepPartFiles(const fs::path& folder) {
   sweep(folder, [](std::string_view) { return true; });
 }
 
-PartFile openPartFile(const fs::path& target) {
-  const std::string name = target.filename();
-  sweep(target.parent_path(), [&](std::string_view of) { return of == name; });
+PartFile openPartFile(const fs::path& target, Rights rights) {
+  const std::string stem = stemOf(target.filename());
+  sweep(target.parent_path(), [&](std::string_view of) { return of == stem; });
   constexpr int kTries = 100;
   for (int i = 0; i < kTries; ++i) {
     PartFile part;
-    part.name = target;
-    part.name += i == 0 ? fmt::format(".{}{}", getpid(), kSuffix) : fmt::format(".{}-{}{}", getpid(), i, kSuffix);
+    part.name = target.parent_path() / (i == 0 ? fmt::format("{}.{}{}", stem, getpid(), kSuffix)
+                                               : fmt::format("{}.{}-{}{}", stem, getpid(), i, kSuffix));
     part.leftover = Leftover::file([&] {
-      part.descriptor = open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      part.descriptor =
+          open(part.name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, rights == Rights::kPrivate ? 0600 : 0666);
       part.error = part.descriptor < 0 ? errno : 0;
       return part.descriptor < 0 ? fs::path() : part.name;
     });

@@ -89,7 +89,8 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   const Stopwatch watch;
   checkOutput(request);
   AtomicFile file(
-      request.out);  // opened before the long work, so that a folder without write permission is refused at once
+      request.out,
+      Rights::kPrivate);  // opened before the long work, so that a folder without write permission is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted("palpate convert");

@@ -295,7 +295,7 @@ EditResult editVolume(const EditRequest& request, Progress& progress,
   if (!request.script.empty()) checkReadOnly(request.script, request);
   Orders orders(request);
   // Opened before the long work, so that a folder without write permission is refused at once.
-  AtomicFile file(request.out);
+  AtomicFile file(request.out, Rights::kPrivate);
   progress.stage("loading " + request.in);
   Volume volume = loadAndTell(request.in, progress);
   stopIfInterrupted();

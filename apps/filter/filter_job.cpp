@@ -32,7 +32,8 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   if (request.isovalue) checkIsovalueIsUsed(chain, request.filter);
   checkNotInput(request.in, request.out);
   AtomicFile file(
-      request.out);  // opened before the long work, so that a folder without write permission is refused at once
+      request.out,
+      Rights::kPrivate);  // opened before the long work, so that a folder without write permission is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadAndTell(request.in, progress);
   std::optional<float> isovalue;

@@ -92,8 +92,8 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   if (request.outlives_its_engine) session_->keepAbreast();
   if (checkpoints)
     session_->keepCheckpoints(journal_, {identity, profile}, std::span(earlier).first(held.edits), held, tell_);
-  edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
   makeAgain(std::span(earlier).subspan(held.edits), progress);
+  edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
   }
@@ -175,7 +175,7 @@ void LiveVolume::save(const std::string& file, double isovalue, std::function<vo
       edits_->errand([this, promise, request, content, is_volume](const Volume& volume, std::uint64_t) {
         try {
           Progress silent(nullptr);
-          AtomicFile target(request.out);
+          AtomicFile target(request.out, Rights::kPrivate);
           const ConvertResult result = writeOutput(volume, request, work_, target, silent);
           target.commit();
           if (is_volume) saved_version_ = std::max(saved_version_.load(), content);

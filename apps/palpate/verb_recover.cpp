@@ -56,7 +56,7 @@ void recover(const RecoverArguments& arguments) {
   const Journal journal = readJournal(folder);
   const std::string source = arguments.volume.empty() ? journal.header.volume.source : arguments.volume;
   checkNotInput(source, arguments.out);
-  AtomicFile file(arguments.out);
+  AtomicFile file(arguments.out, Rights::kPrivate);
   progress.stage("loading " + source);
   Volume volume = loadStart(arguments, source, progress);
   progress.stage("applying the edits");

@@ -57,7 +57,8 @@ class Watch {
       last_.clear();
       return true;
     } catch (const Error& error) {
-      if (error.code() != Error::Code::kNotFound) throw;
+      if (error.code() == Error::Code::kDevice) tellUser(error.what());  // it hangs, or is busy
+      if (error.code() != Error::Code::kNotFound && error.code() != Error::Code::kDevice) throw;
       return false;
     }
   }

@@ -37,9 +37,10 @@ std::string readAll(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) {
     throw Error(Error::Code::kNotFound, file.string(), "the path file does not exist", "check the name");
   }
-  // On Linux a folder can be opened, but reading it throws; so this is checked first.
+  // On Linux a folder can be opened, but reading it throws, and a pipe may be waited for for ever.
+  if (!std::filesystem::is_regular_file(file)) refuseReading(file);
   std::ifstream in(file, std::ios::binary);
-  if (std::filesystem::is_directory(file) || !in) refuseReading(file);
+  if (!in) refuseReading(file);
   std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
   return text;
 }

@@ -18,7 +18,9 @@ RigEdits::RigEdits(EditSession& session, const Vec3i& size, const Lattice& latti
       outlives_its_engine_(session.keepsAbreast()),
       size_(size),
       lattice_(lattice),
-      tell_(std::move(tell)) {}
+      tell_(std::move(tell)) {
+  noteState();  // of what the session began with
+}
 
 // Of a request: whoever asked is told what became of it, also where nobody gets to it any more.
 class RigEdits::Promise {

@@ -208,11 +208,15 @@ void resolve(const std::filesystem::path& folder, std::string& name) {
 }  // namespace
 
 void readSceneFile(const std::filesystem::path& file, Scene& scene) {
-  std::ifstream stream(file);
   std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored)) {  // opening one succeeds, and it reads as empty
+  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+  if (std::filesystem::is_directory(status))  // opening one succeeds, and it reads as empty
     throw Error(Error::Code::kBadInput, file.string(), "it is a folder", "give a scene's file");
-  }
+  if (std::filesystem::exists(status) &&
+      !std::filesystem::is_regular_file(status))  // a pipe may be waited for for ever
+    throw Error(Error::Code::kBadInput, file.string(), "it is no plain file",
+                "write the scene to a file, and give that");
+  std::ifstream stream(file);
   if (!stream) {
     throw Error(Error::Code::kNotFound, file.string(), "the scene file cannot be opened",
                 "check the path and its permissions");

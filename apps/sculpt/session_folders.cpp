@@ -2,6 +2,7 @@
 #include "apps/sculpt/session_folders.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <ctime>
 
@@ -9,8 +10,10 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/durable_io.hpp"
 #include "base/error.hpp"
 #include "engine/journal/replay.hpp"
 
@@ -42,12 +45,12 @@ void removeEmpty(const std::filesystem::path& folder) {
 
 // Names sort by time; the process tells apart what begins in one second.
 SessionFolder::SessionFolder(const std::filesystem::path& root) {
-  std::error_code failed;
-  std::filesystem::create_directories(root, failed);
+  std::error_code failed(makeFolder(root, Rights::kPrivate), std::generic_category());
   const std::string stem = fmt::format("{:%Y-%m-%dT%H%M%S}-{}", fmt::gmtime(std::time(nullptr)), getpid());
   for (int n = 0; n < 1000 && !failed; ++n) {
     folder_ = root / (n == 0 ? stem : fmt::format("{}-{}", stem, n));
-    if (std::filesystem::create_directory(folder_, failed) || failed) break;
+    if (mkdir(folder_.c_str(), 0700) == 0) break;
+    if (errno != EEXIST) failed.assign(errno, std::generic_category());
   }
   if (!failed) lock_ = takeLock(folder_, O_CREAT);
   if (failed || lock_ < 0) {

@@ -47,7 +47,9 @@ ClientDesk::ClientDesk(Listener listener, ServedVolume& served, Tell tell)
       questions_(served) {}
 
 bool ClientDesk::round(int most_ms) {
-  std::vector<pollfd> waits = {{listener_.descriptor(), POLLIN, 0}, {waker_.descriptor(), POLLIN, 0}};
+  // Who may not come in yet ends no wait.
+  const bool is_full = ClientPlaces::entryOf(guests()) == ClientPlaces::Entry::kNotYet;
+  std::vector<pollfd> waits = {{is_full ? -1 : listener_.descriptor(), POLLIN, 0}, {waker_.descriptor(), POLLIN, 0}};
   for (const Client& client : clients_) waits.push_back({client.channel.descriptor(), POLLIN, 0});
   static_cast<void>(poll(waits.data(), waits.size(), most_ms));
   waker_.sleepAgain();
@@ -60,8 +62,8 @@ bool ClientDesk::round(int most_ms) {
     }
     if (!why.empty())
       tellOfClient(fmt::format("client {} (process {}) is dropped: {}", client->number, client->process, why));
-    letGo(*client);
-    client = clients_.erase(client);
+    const auto gone = client++;
+    drop(gone);
   }
   accept();
   client_count_.store(clients_.size());
@@ -69,19 +71,50 @@ bool ClientDesk::round(int most_ms) {
   return !questions_.endIsAsked();
 }
 
+std::vector<ClientPlaces::Guest> ClientDesk::guests() const {
+  std::vector<ClientPlaces::Guest> all;
+  for (const Client& client : clients_) {
+    all.push_back(client.guest);
+    all.back().is_busy = client.open > 0 || client.onlooker != nullptr;
+  }
+  return all;
+}
+
+void ClientDesk::drop(std::list<Client>::iterator client) {
+  letGo(*client);
+  clients_.erase(client);
+}
+
+bool ClientDesk::makeRoom() {
+  const std::int64_t now_ns = monotonicNow_ns();
+  const auto idlest = ClientPlaces::outstayed(guests(), now_ns);
+  if (!idlest) return false;
+  const auto client = std::next(clients_.begin(), static_cast<std::ptrdiff_t>(*idlest));
+  const double idle_s = ClientPlaces::secondsSince(client->guest.heard_ns, now_ns);
+  tellOfClient(fmt::format("client {} (process {}) makes room for another: it asked nothing for {:.0f} s",
+                           client->number, client->process, idle_s));
+  turnAway(client->channel,
+           Error(Error::Code::kDevice, "the service",
+                 fmt::format("this client asked nothing for {:.0f} s, and others waited for its place", idle_s),
+                 "ask again"));
+  drop(client);
+  return true;
+}
+
+// Who says nothing and who floods are let in a few at a time, so a round ends.
 void ClientDesk::accept() {
-  for (Channel channel = listener_.accept(); channel.open(); channel = listener_.accept()) {
-    if (clients_.size() >= kMostClients) {
-      tellOfClient(
-          fmt::format("a client (process {}) is turned away: {} are here", channel.peer().process, clients_.size()));
-      turnAway(channel, Error(Error::Code::kOutOfMemory, "the service",
-                              fmt::format("{} clients are connected, and no more are served at once", kMostClients),
-                              "end one of them, and ask again"));
-      continue;
-    }
+  for (std::size_t taken = 0; taken < ClientPlaces::kPlaces; ++taken) {
+    ClientPlaces::Entry entry = ClientPlaces::entryOf(guests());
+    if (entry == ClientPlaces::Entry::kNotYet) return;
+    Channel channel = listener_.accept();
+    if (listener_.lacksDescriptors()) tellOfClient("nobody is let in: this process has no file descriptor left");
+    if (!channel.open()) return;
+    if (entry == ClientPlaces::Entry::kOnTrial && makeRoom()) entry = ClientPlaces::Entry::kWithAPlace;
     const std::int64_t process = channel.peer().process;
-    clients_.push_back(
-        {.number = ++count_, .channel = std::move(channel), .process = process, .since_ns = monotonicNow_ns()});
+    clients_.push_back({.number = ++count_,
+                        .channel = std::move(channel),
+                        .process = process,
+                        .guest = {.heard_ns = monotonicNow_ns(), .on_trial = entry == ClientPlaces::Entry::kOnTrial}});
   }
 }
 
@@ -120,16 +153,50 @@ bool ClientDesk::listenTo(Client& client, std::string& why) {
         why = fmt::format("it sent a message {} where none may be", kindOf(body));
         return false;
       }
+      if (!mayAsk(client, *ask)) return false;
+      client.guest.heard_ns = monotonicNow_ns();
       take(client, *ask);
     }
   } catch (const std::exception& error) {
     why = error.what();
     return false;
   }
-  const double silent_s = static_cast<double>(monotonicNow_ns() - client.since_ns) / kNanosecondsPerSecond;
-  if (!client.has_spoken && silent_s > kSilence_s) why = "it says nothing";
+  const std::int64_t now_ns = monotonicNow_ns();
+  if (client.ends && client.open == 0) return false;
+  ClientPlaces::Guest guest = client.guest;
+  guest.is_busy = client.open > 0;
+  if (ClientPlaces::trialIsOver(guest, now_ns)) {
+    tellThatAllPlacesAreTaken(client);
+    return false;
+  }
+  if (!client.has_spoken && ClientPlaces::secondsSince(client.guest.heard_ns, now_ns) > kSilence_s)
+    why = "it says nothing";
   if (!client.channel.open()) why = "it does not read its answers";
   return why.empty();
+}
+
+void ClientDesk::tellThatAllPlacesAreTaken(Client& client) {
+  tellOfClient(fmt::format("a client (process {}) is turned away: {} are here", client.process, ClientPlaces::kPlaces));
+  turnAway(client.channel,
+           Error(Error::Code::kOutOfMemory, "the service",
+                 fmt::format("{} clients are connected, and no more are served at once", ClientPlaces::kPlaces),
+                 "end one of them, and ask again"));
+}
+
+// Somebody may have left, or become idle, since it came.
+bool ClientDesk::mayAsk(Client& client, const wire::AskT& ask) {
+  if (!client.guest.on_trial) return true;
+  const bool has_room = ClientPlaces::entryOf(guests()) == ClientPlaces::Entry::kWithAPlace || makeRoom();
+  if (has_room) {
+    client.guest.on_trial = false;
+    return true;
+  }
+  if (ask.verb == wire::Verb::Status || ask.verb == wire::Verb::Leave) {
+    client.ends = true;
+    return true;
+  }
+  tellThatAllPlacesAreTaken(client);
+  return false;
 }
 
 // It is no client: the engine talks with it from now on.

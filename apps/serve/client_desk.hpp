@@ -3,9 +3,9 @@
 //
 // What clients ask for is done in the order in which it comes, and each gets the answers to its own questions
 // (service/messages). A client that breaks the rules, asks too often, does not read its answers or says nothing for
-// kSilence_s at first is dropped with a word; nobody waits for it. More than kMostOpen questions of one client at once
-// are refused, so memory per client is bounded. A servo that connects is handed to the engine. One thread makes it and
-// calls round() and flush().
+// kSilence_s at first is dropped with a word; nobody waits for it. Of more clients than there are places, idle ones go
+// (client_places.hpp). More than kMostOpen questions of one client at once are refused, so memory per client is
+// bounded. A servo that connects is handed to the engine. One thread makes it and calls round() and flush().
 #pragma once
 
 #include <atomic>
@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "apps/serve/asking_rate.hpp"
+#include "apps/serve/client_places.hpp"
 #include "apps/serve/questions.hpp"
 #include "apps/serve/served_volume.hpp"
 #include "base/waker.hpp"
@@ -29,7 +30,6 @@ namespace palpate {
 
 class ClientDesk {
  public:
-  static constexpr std::size_t kMostClients = 32;
   static constexpr std::size_t kMostOpen = 64;                        // questions of one client that are not answered
   static constexpr double kSilence_s = 5;                             // until the first word [s]
   static constexpr double kMostPerSecond = 2000, kMostAtOnce = 4000;  // questions of one client
@@ -53,8 +53,9 @@ class ClientDesk {
     std::uint64_t number = 0;
     Channel channel;
     std::int64_t process = 0;
-    std::int64_t since_ns = 0;
+    ClientPlaces::Guest guest = {};
     bool has_spoken = false;
+    bool ends = false;  // it gets no more than the answers that are under way
     std::size_t open = 0;
     AskingRate rate{kMostPerSecond, kMostAtOnce};
     std::shared_ptr<Onlooker> onlooker = {};  // null: it does not look on
@@ -67,12 +68,19 @@ class ClientDesk {
   };
 
   void accept();
+  // One goes whose place another needs; false: nobody is idle.
+  bool makeRoom();
+  [[nodiscard]] std::vector<ClientPlaces::Guest> guests() const;
+  void drop(std::list<Client>::iterator client);
   // With a word of why, which the other side reads before it finds itself alone.
   static void turnAway(Channel& channel, const Error& why);
   // Of a client that is not let in or let go; those beyond kMostWordsPerSecond are only counted.
   void tellOfClient(const std::string& words);
   // False: it is to be dropped, for `why`; empty: it has left.
   [[nodiscard]] bool listenTo(Client& client, std::string& why);
+  // Of a client on trial: whether it is answered. If not it has been told why.
+  [[nodiscard]] bool mayAsk(Client& client, const wire::AskT& ask);
+  void tellThatAllPlacesAreTaken(Client& client);
   void greet(Client& client, const wire::HelloT& hello);
   void take(Client& client, const wire::AskT& ask);
   [[nodiscard]] Questions::Done answerTo(Client& client, const wire::AskT& ask);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/crc32c.hpp"
+#include "base/formatted.hpp"
 #include "base/user_folders.hpp"
 #include "service/channel/usual_socket.hpp"
 
@@ -17,6 +19,9 @@ std::filesystem::path usualServiceJournal(const std::string& socket) {
   if (state.empty()) return {};
   std::string name = std::filesystem::absolute(socket).lexically_normal().string();
   std::ranges::replace(name, '/', '_');
+  // A folder's name has 255 bytes at most. The end tells services apart.
+  constexpr std::size_t kLongest = 200;
+  if (name.size() > kLongest) name = formatted("{}~{}", name.substr(name.size() - kLongest), crc32c(name));
   return state / "services" / name;
 }
 

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
+
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
@@ -14,6 +16,14 @@ std::shared_ptr<const Recording> loadRecording(const std::string& file) {
   if (file.empty()) refuse("--device recorded", "no recording is given", "give one with --recording FILE");
   constexpr std::uint64_t kMostBytes = std::uint64_t{4} << 30U;  // 40 hours of a hand that moves at 1 kHz
   return std::make_shared<const Recording>(readRecording(wholeFile(file, "the recording", kMostBytes), file));
+}
+
+std::optional<std::string> noteOnRecording(const Scene& scene) {
+  if (scene.device != kRecorded) return {};
+  const auto recording = loadRecording(scene.recording);
+  if (recording->damage.empty()) return {};
+  return fmt::format("the recording {} is damaged: {}; the {:.1f} s before that are played", scene.recording,
+                     recording->damage, static_cast<double>(recording->gridTicks()) / recording->rate_hz);
 }
 
 double recordedDuration_s(const Scene& scene) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/scene/scene.hpp"
@@ -10,8 +11,13 @@
 
 namespace palpate {
 
+inline constexpr const char* kRecorded = "recorded";  // the device that plays one (servo/devices/registry.hpp)
+
 // Throws Error: kNotFound for a file that cannot be opened; kBadInput as readRecording() does, and without a name.
 [[nodiscard]] std::shared_ptr<const Recording> loadRecording(const std::string& file);
+
+// What is wrong with the scene's recording, and what of it is played; empty: nothing, or it has none. Throws as above.
+[[nodiscard]] std::optional<std::string> noteOnRecording(const Scene& scene);
 
 // How long the scene's recording is [s]. Throws as above.
 [[nodiscard]] double recordedDuration_s(const Scene& scene);

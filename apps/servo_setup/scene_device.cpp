@@ -9,11 +9,7 @@
 #include "servo/devices/registry.hpp"
 
 namespace palpate {
-namespace {
-
-constexpr const char* kRecorded = "recorded";  // servo/devices/registry.hpp
-
-}  // namespace
+namespace {}  // namespace
 
 bool hasPath(const Scene& scene) {
   return !isHeld(scene) && scene.device != kRecorded;

@@ -16,6 +16,7 @@ namespace palpate {
 namespace {
 
 constexpr std::chrono::milliseconds kLook{10};
+constexpr int kPatience_ms = 100;  // before the engine's door; it is tried again, and ends are looked for meanwhile
 constexpr int kLooksForAnEngine = 10, kLooksAfterTrouble = 100;
 
 class ServoKeeper {
@@ -37,7 +38,7 @@ class ServoKeeper {
   bool serveNext() {
     std::optional<Channel> channel;
     try {
-      channel = connectTo(keeping_.socket);
+      channel = connectTo(keeping_.socket, kPatience_ms);
     } catch (const Error& error) {
       tellOnce(error.code() == Error::Code::kNotFound ? fmt::format("waiting for an engine at {}", keeping_.socket)
                                                       : std::string(error.what()));

@@ -155,6 +155,9 @@ void OutputFolder::publish(const char* first) {
     if (target.behind_link) {
       target.behind_link->commit();
     } else {
+      std::error_code ignored;  // who may read the file that is replaced may read the new one
+      if (const fs::file_status old = fs::status(target.file, ignored); fs::exists(old))
+        fs::permissions(target.draft, old.permissions(), ignored);
       fs::rename(target.draft, target.file, error);
     }
     if (error) refuseFolder(target.file.string(), error.message());

@@ -457,7 +457,8 @@ void TouchJob::assess() {
   asked.stiffness_N_per_m = run_.scene.stiffness_N_per_m;
   asked.damping_Ns_per_m = run_.scene.damping_Ns_per_m;
   for (const auto& note :
-       {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
+       {noteOnRecording(run_.scene),
+        noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
         noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(asked, *run_.figures),
         noteOnNoContact(*run_.figures, !run_.ended_early.empty(), hasPath(scene_)),
         noteOnHand(scene_, *run_.figures, run_.phases), noteOnBrush(run_.scene, *run_.figures)}) {

@@ -46,6 +46,7 @@ std::string withSeal(const std::string& text) {
 enum class Writer { kTune, kTuneAndAHand, kOther };
 
 Writer writerOf(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return Writer::kOther;  // a pipe may be waited for for ever
   std::ifstream stream(file, std::ios::binary);
   const std::string text(std::istreambuf_iterator<char>(stream), {});
   if (!text.starts_with(fmt::format("# {}", kFirstWords))) return Writer::kOther;

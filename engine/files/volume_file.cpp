@@ -159,7 +159,7 @@ void writeVolume(const Volume& volume, const std::string& name, std::optional<Le
 }
 
 std::uint64_t saveVolume(const Volume& volume, const std::string& name) {
-  AtomicFile file(name);
+  AtomicFile file(name, Rights::kPrivate);
   std::uint64_t bytes = 0;
   writeVolume(volume, name, {}, [&](std::string_view piece) {
     bytes += piece.size();

@@ -12,7 +12,7 @@
 namespace palpate {
 
 AcknowledgedFile::AcknowledgedFile(const char* name)
-    : descriptor_(open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {}
+    : descriptor_(open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, 0666)) {}
 
 AcknowledgedFile::~AcknowledgedFile() {
   if (descriptor_ >= 0) close(descriptor_);

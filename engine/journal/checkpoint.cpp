@@ -118,7 +118,7 @@ bool isReached(const EditMark& mark, const JournalHeader& header, std::span<cons
 
 void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& volume,
                      std::span<const std::uint32_t> bricks) {
-  AtomicFile target(file);
+  AtomicFile target(file, Rights::kPrivate);
   std::uint32_t checksum = 0;
   const auto write = [&](const ByteWriter& out) {
     checksum = crc32c(out.bytes(), checksum);

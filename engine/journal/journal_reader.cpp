@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/crc32c.hpp"
@@ -118,11 +119,18 @@ class Reading {
 };
 
 // Uses system calls: a C++ stream just ends when reading fails, or throws an exception that says nothing of the file.
+// Nobody is waited for, as the reader of a pipe would wait.
 std::string contentsOf(const std::filesystem::path& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (descriptor < 0) {
     throw Error(Error::Code::kIo, file.string(), fmt::format("it cannot be opened ({})", std::strerror(errno)),
                 "check its permissions");
+  }
+  struct stat facts {};
+  if (fstat(descriptor, &facts) != 0 || (!S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))) {
+    close(descriptor);
+    throw Error(Error::Code::kBadInput, file.string(), "it is no plain file, so it is no journal",
+                "move it away, and name the folder that --journal was given");
   }
   std::string bytes;
   std::vector<char> piece(std::size_t{1} << 20U);

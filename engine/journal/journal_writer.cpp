@@ -27,10 +27,10 @@ namespace fs = std::filesystem;
 
 JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header, JournalOptions options)
     : file_(journalFile(folder)), options_(std::move(options)) {
-  if (const int unmade = makeFolder(folder); unmade != 0) refuseFile(folder, unmade);
+  if (const int unmade = makeFolder(folder, Rights::kPrivate); unmade != 0) refuseFile(folder, unmade);
   const std::string bytes = headerBytes(header);
   // The header is written to a temporary name first, so that a journal without a header never exists.
-  PartFile draft = openPartFile(file_);
+  PartFile draft = openPartFile(file_, Rights::kPrivate);
   if (draft.descriptor < 0) refuseFile(file_, draft.error);
   descriptor_ = draft.descriptor;
   int failed = writeAll(descriptor_, bytes);

@@ -20,6 +20,7 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/monotonic_clock.hpp"
 
 namespace palpate {
 namespace {
@@ -229,23 +230,41 @@ Listener::Place Listener::placeNow() const noexcept {
   return {facts.st_dev, facts.st_ino};
 }
 
+bool Listener::lacksDescriptors() const noexcept {
+  return rests_until_ns_ != 0 && monotonicNow_ns() < rests_until_ns_;
+}
+
 Channel Listener::accept() {
   Channel channel(Descriptor(accept4(socket_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)));
+  const bool lacks = !channel.open() && (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM);
+  rests_until_ns_ = lacks ? monotonicNow_ns() + std::int64_t{1'000'000} * kRest_ms : 0;
   if (!channel.open()) return channel;
   if (!channel.isOfOurs()) channel.close();
   return channel;
 }
 
-Channel connectTo(const std::string& path) {
+Channel connectTo(const std::string& path, int patience_ms) {
   const sockaddr_un address = addressOf(path);
   Descriptor socket = newSocket(path, Listener::Kind::kPackets);
-  const int why = connectSocket(socket, address);
+  int why = connectSocket(socket, address);
+  // EAGAIN: more wait before the door than it has room for.
+  for (const auto end = Clock::now() + std::chrono::milliseconds(patience_ms); why == EAGAIN && Clock::now() < end;) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+    why = connectSocket(socket, address);
+  }
   if (why == ENOENT || why == ECONNREFUSED)
     refuseSocket(path, Error::Code::kNotFound, "no service listens there",
                  "start one with 'palpate serve', or name its socket");
+  if (why == EAGAIN)
+    refuseSocket(path, Error::Code::kDevice,
+                 "the service lets nobody in: its engine hangs, or still loads its volume, or too many wait",
+                 "look at the messages of the service, and end it if it hangs");
+  if (why == EACCES || why == EPERM)
+    refuseSocket(path, Error::Code::kIo, formatted("it may not be opened ({})", std::strerror(why)),
+                 "connect as the user who started the service");
   if (why != 0)
     refuseSocket(path, Error::Code::kIo, formatted("it cannot be opened ({})", std::strerror(why)),
-                 "connect as the user who started the service");
+                 "look at the socket and the rights of its folder");
   Channel channel(std::move(socket));
   if (!channel.isOfOurs())
     refuseSocket(path, Error::Code::kBadInput, formatted("user {} listens there", channel.peer().user),

@@ -69,11 +69,19 @@ class Listener {
   explicit Listener(std::string path, Kind kind = Kind::kPackets);
   ~Listener();  // removes it, unless another lies there by now
   Listener(Listener&& other) noexcept
-      : path_(std::move(other.path_)), place_(other.place_), socket_(std::move(other.socket_)) {}
+      : path_(std::move(other.path_)),
+        place_(other.place_),
+        socket_(std::move(other.socket_)),
+        rests_until_ns_(other.rests_until_ns_) {}
 
-  // The next connection of this user or root, or a closed channel if none waits. Others are turned away.
+  // The next connection of this user or root, or a closed channel if none waits. Others are turned away. Where the
+  // process has no descriptor left for it, the connection goes on waiting, and the listener rests for kRest_ms: a wait
+  // for its descriptor would end at once, again and again.
   [[nodiscard]] Channel accept();
-  [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }
+  static constexpr int kRest_ms = 100;
+  [[nodiscard]] bool lacksDescriptors() const noexcept;
+  // To wait for it with poll(2); -1, which poll leaves out, while it rests.
+  [[nodiscard]] int descriptor() const noexcept { return lacksDescriptors() ? -1 : socket_.get(); }
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
  private:
@@ -86,9 +94,12 @@ class Listener {
   std::string path_;
   Place place_;
   Descriptor socket_;
+  std::int64_t rests_until_ns_ = 0;  // monotonicNow_ns()
 };
 
-// Throws Error: kNotFound if nobody listens there, kBadInput and kIo as Listener does, kBadInput if another user does.
-[[nodiscard]] Channel connectTo(const std::string& path);
+// Throws Error: kNotFound if nobody listens there, kBadInput and kIo as Listener does, kBadInput if another user does,
+// kDevice if nobody lets it in for `patience_ms`: whoever listens hangs, or is busy with something long.
+inline constexpr int kConnectPatience_ms = 2000;
+[[nodiscard]] Channel connectTo(const std::string& path, int patience_ms = kConnectPatience_ms);
 
 }  // namespace palpate

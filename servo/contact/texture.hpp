@@ -12,7 +12,7 @@
 // along the surface by D' times the bend of h: in a deep press tenfold K, without damping, and a light hand would shake
 // in it. w is such that D' s is never more than one over the largest bend, so the bend adds at most K; a tool that is
 // held by its distance to a bumpy surface is held no stiffer than that either. The height is felt in full down to some
-// w (0.4 mm for A = 0.1 mm at a wavelength of 1 mm); beyond, the push along the surface goes on as it is there.
+// w (0.6 mm for A = 0.1 mm at a wavelength of 1 mm); beyond, the push along the surface goes on as it is there.
 // Frame W: world [m]. Thread: move() and release() the servo's. Cost: docs/effects.md.
 #pragma once
 

@@ -9,6 +9,7 @@
 
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -242,8 +243,11 @@ std::string recordingBytes(const Recording& recording) {
 }
 
 Recording readRecording(std::string_view bytes, const std::string& name) {
-  if (!bytes.starts_with(kMagic))
+  if (!bytes.starts_with(kRecordingBegin))
     refuse(name, "it is no recording of a device", "record one with 'palpate touch ... --record FILE'");
+  if (!bytes.starts_with(kMagic))
+    refuse(name, formatted("it is a recording of another form than {}", kMagic),
+           "play it with the Palpate that recorded it");
   Taker taker(bytes.substr(kMagic.size()));
   const std::string_view header = taker.takeBytes(taker.take<std::uint32_t>());
   const bool holds = taker.take<std::uint32_t>() == crc32c(header) && !taker.failed();
@@ -253,19 +257,24 @@ Recording readRecording(std::string_view bytes, const std::string& name) {
   if (!holds || header_taker.failed() || !header_taker.left().empty() || !canBe(recording))
     refuse(name, "its header is damaged", "record it again");
   Vec3 position_W = Vec3::Zero();
+  std::size_t number = 0;
   for (bool ended = false; !ended;) {
+    ++number;
+    const std::size_t begin = bytes.size() - taker.left().size();
     const auto count = taker.take<std::uint32_t>();
     const std::string_view block = taker.takeBytes(taker.take<std::uint32_t>());
     const bool whole = taker.take<std::uint32_t>() == crc32c(block) && !taker.failed();
     const auto ticks = whole ? ticksOf(block, count, position_W) : std::nullopt;
     if (!ticks) {
-      recording.is_whole = false;
+      recording.damage = formatted("block {} of {} ticks, at byte {}, {}", number, kBlockTicks, begin,
+                                   taker.failed() ? "is cut short" : "is damaged");
       break;
     }
     ended = count == 0;
     recording.ticks.insert(recording.ticks.end(), ticks->begin(), ticks->end());
   }
-  if (!taker.left().empty()) recording.is_whole = false;
+  if (recording.damage.empty() && !taker.left().empty())
+    recording.damage = formatted("{} bytes follow its end", taker.left().size());
   if (recording.ticks.empty()) refuse(name, "no tick of it can be read", "record it again");
   return recording;
 }

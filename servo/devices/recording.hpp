@@ -42,7 +42,7 @@ struct Recording {
   DeviceLimits limits = {};
   std::vector<HandParameters> hands = {};
   std::vector<RecordedTick> ticks = {};
-  bool is_whole = true;  // false: the bytes end early, or are damaged from some tick on
+  std::string damage = {};  // of its bytes: what is wrong with them, and where; what is before that was read. Empty: whole
 
   // Of the servo's grid, from the first tick to the last [tick].
   [[nodiscard]] std::int64_t gridTicks() const noexcept;
@@ -53,8 +53,9 @@ inline constexpr std::string_view kRecordingBegin = "PALPREC";
 
 [[nodiscard]] std::string recordingBytes(const Recording& recording);
 
-// Of bytes that end early or are damaged in a block, what comes before. Throws Error(kBadInput): no recording, a header
-// that is damaged or has values that no device has, or no tick.
+// Of bytes that end early or are damaged in a block, what comes before, with the damage: ticks are differences, so
+// nothing after it can be read. Throws Error(kBadInput): no recording, one of another version, a header that is damaged
+// or has values that no device has, or no tick.
 [[nodiscard]] Recording readRecording(std::string_view bytes, const std::string& name);
 
 }  // namespace palpate

@@ -2,9 +2,11 @@
 #include "base/atomic_file.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/error.hpp"
@@ -80,6 +82,58 @@ TEST(AtomicFile, ReplacesAnOlderFile) {
   writeFileAtomically(folder.path() / "a.txt", "old");
   writeFileAtomically(folder.path() / "a.txt", "new");
   EXPECT_EQ(contentsOf(folder.path() / "a.txt"), "new");
+}
+
+unsigned rightsOf(const std::filesystem::path& file) {
+  return static_cast<unsigned>(std::filesystem::status(file).permissions());
+}
+
+// From before the first byte on, and through a link.
+TEST(AtomicFile, AReplacedFileKeepsItsRights) {
+  TemporaryFolder folder;
+  const std::filesystem::path target = folder.path() / "a.txt", link = folder.path() / "link";
+  writeFileAtomically(target, "old");
+  std::filesystem::create_symlink(target, link);
+  for (const unsigned rights : {0600U, 0640U, 0664U, 0444U, 0777U}) {
+    for (const auto& [name, asked] : {std::pair(target, Rights::kUsual), std::pair(link, Rights::kPrivate)}) {
+      std::filesystem::permissions(target, static_cast<std::filesystem::perms>(rights));
+      AtomicFile file(name, asked);
+      for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+        if (entry.is_symlink()) continue;
+        EXPECT_EQ(rightsOf(entry.path()), rights) << entry.path();
+      }
+      file.write("new");
+      file.commit();
+      EXPECT_EQ(rightsOf(target), rights);
+    }
+  }
+}
+
+TEST(AtomicFile, APrivateFileIsItsOwnersAloneFromTheStart) {
+  TemporaryFolder folder;
+  const mode_t before = umask(0);
+  for (const auto& [rights, wanted] : {std::pair(Rights::kPrivate, 0600U), std::pair(Rights::kUsual, 0666U)}) {
+    const std::filesystem::path target = folder.path() / std::to_string(wanted);
+    AtomicFile file(target, rights);
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+      if (!entry.path().filename().native().starts_with(std::to_string(wanted))) continue;
+      EXPECT_EQ(rightsOf(entry.path()), wanted) << entry.path();
+    }
+    file.commit();
+    EXPECT_EQ(rightsOf(target), wanted);
+  }
+  umask(before);
+}
+
+TEST(AtomicFile, TakesNamesAsLongAsTheFileSystemDoes) {
+  TemporaryFolder folder;
+  for (const std::size_t length : {1, 200, 229, 230, 231, 240, 254, 255}) {
+    const std::filesystem::path target = folder.path() / std::string(length, 'n');
+    writeFileAtomically(target, "text");
+    EXPECT_EQ(contentsOf(target), "text");
+  }
+  EXPECT_EQ(folder.files(), 8);
+  expectIoError([&] { writeFileAtomically(folder.path() / std::string(256, 'n'), ""); }, "");
 }
 
 TEST(AtomicFile, AnExceptionOnTheWayLeavesTheOlderFile) {

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "file_size_limit.hpp"
@@ -74,6 +75,22 @@ TEST(MakeFolder, MakesEveryLevel) {
 }
 
 // No file more may be opened, a folder to flush neither: whether one was flushed shows.
+TEST(MakeFolder, PrivateLevelsAreTheirOwnersAloneAndOthersStay) {
+  TemporaryFolder folder;
+  const mode_t before = umask(0);
+  const std::filesystem::path open = folder.path() / "open", inside = open / "a" / "b";
+  ASSERT_EQ(makeFolder(open), 0);
+  ASSERT_EQ(makeFolder(inside, Rights::kPrivate), 0);
+  ASSERT_EQ(makeFolder(inside, Rights::kPrivate), 0);  // it is there
+  umask(before);
+  const auto rights = [](const std::filesystem::path& of) {
+    return static_cast<unsigned>(std::filesystem::status(of).permissions());
+  };
+  EXPECT_EQ(rights(open), 0777U);
+  EXPECT_EQ(rights(inside.parent_path()), 0700U);
+  EXPECT_EQ(rights(inside), 0700U);
+}
+
 TEST(MakeFolder, FlushesTheParentsOfWhatIsNewAndNoOthers) {
   const TemporaryFolder folder;
   int made = 0, there = 0;

@@ -34,6 +34,33 @@ TEST_F(PartFiles, WhatIsLeftOfTheTargetIsRemovedWhoseverNumberItBears) {
   EXPECT_EQ(folder_.files(), 1);
 }
 
+// Two that begin alike are two targets, and a killed writer's file is still known as that of its target.
+TEST_F(PartFiles, LongNamesAreToldApart) {
+  const std::string begin(250, 'n'), a = begin + "a.vdb", b = begin + "b.vdb", accents = std::string(1, 'x') + [] {
+    std::string text;
+    for (int i = 0; i < 125; ++i) text += "\u00e9";
+    return text;
+  }();
+  for (const std::string& name : {a, accents}) {
+    std::string left;
+    {
+      const AtomicFile writing(file(name));
+      ASSERT_EQ(folder_.files(), 1);
+      left = std::filesystem::directory_iterator(folder_.path())->path().filename();
+      EXPECT_LE(left.size(), 255U);
+    }
+    EXPECT_EQ(folder_.files(), 0);
+    write(left);  // as a killed process leaves it
+    writeFileAtomically(file(b), "new");
+    EXPECT_EQ(folder_.files(), 2);
+    writeFileAtomically(file(name), "new");
+    EXPECT_EQ(folder_.files(), 2);
+    EXPECT_EQ(contentsOf(file(name)), "new");
+    std::filesystem::remove(file(b));
+    std::filesystem::remove(file(name));
+  }
+}
+
 // A name without "palpate-part" is some other program's, or a person's.
 const std::initializer_list<const char*> kOthers = {"a.vdb.1.part",
                                                     "a.vdb.2024-01-02.part",

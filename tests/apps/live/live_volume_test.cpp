@@ -44,6 +44,29 @@ class Live : public testing::Test {
   std::optional<LiveVolume> live_;
 };
 
+// Whoever asks before the first look is told of the edits that were made again.
+TEST_F(Live, KnowsTheEditsOfAJournalFromTheStart) {
+  Progress silent(nullptr);
+  const auto opened = [&](const std::string& journal, const std::string& recovers) {
+    LiveVolumeRequest request{.volume = "phantom:sphere?size=16", .plan = makePlan({.edits = true}), .work = "a test"};
+    request.journal = folder_.path() / journal;
+    if (!recovers.empty()) request.recovers = folder_.path() / recovers;
+    return LiveVolume(request, silent, [](const std::string&) {});
+  };
+  const EditCommand command = edit();
+  {
+    LiveVolume first = opened("first", "");
+    for (int i = 0; i < 3; ++i) {
+      first.edits().edit({command}, [](const std::optional<Error>& refusal) { EXPECT_FALSE(refusal); });
+      first.edits().doWaiting(0);
+    }
+  }
+  const LiveVolume again = opened("again", "first");
+  EXPECT_EQ(again.edits().counts().edits, 3U);
+  EXPECT_EQ(again.edits().counts().done, 3U);
+  EXPECT_TRUE(again.isUnsaved());
+}
+
 TEST_F(Live, AFileThatIsAskedForHasEveryEditUntilThen) {
   const EditCommand command = edit();
   live_->edits().edit({command}, [](const std::optional<Error>& refusal) { EXPECT_FALSE(refusal); });

@@ -179,6 +179,22 @@ TEST_F(Recorded, ReplacesRecordingsOnly) {
   expectSuccess(run(quickTouch(sphere, {"--record", "s.rec"})));
 }
 
+// One bit, in the middle: what is before is played, and it is told how much that is.
+TEST_F(Recorded, SaysThatItIsDamaged) {
+  expectSuccess(run({"touch", "phantom:sphere?size=16", "--seconds", "2", "--clock", "simulated", "--picture", "off",
+                     "--out", "out", "--record", "s.rec"}));
+  std::string bytes = contentsOf(file("s.rec"));
+  bytes[bytes.size() * 6 / 10] ^= 4;
+  write("damaged.rec", bytes);
+  const Outcome played = run({"touch", "phantom:sphere?size=16", "--device", "recorded", "--recording", "damaged.rec",
+                              "--clock", "simulated", "--picture", "off", "--out", "again"});
+  EXPECT_EQ(played.status, 0) << played.err;
+  EXPECT_THAT(played.out, testing::ContainsRegex("the recording damaged.rec is damaged: block [0-9]+ of 256 ticks, at "
+                                                 "byte [0-9]+, is damaged; the 1\\.[0-9] s before that are played"));
+  const auto notes = nlohmann::json::parse(contentsOf(file("again") / "summary.json"))["notes"];
+  EXPECT_THAT(notes.dump(), testing::HasSubstr("damaged.rec is damaged"));
+}
+
 TEST_F(Recorded, RefusesWhatCannotBePlayed) {
   const Words touch = {"touch", "phantom:sphere?size=16", "--device", "recorded"};
   expectRefusal(run(touch), "--device recorded", "no recording is given", 2);

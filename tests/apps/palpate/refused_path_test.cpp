@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A path file that cannot be followed: one line that names the file (and line), the reason and the remedy; no output.
+#include <sys/stat.h>
+
 #include "program_test.hpp"
 
 namespace palpate {
@@ -48,6 +50,21 @@ INSTANTIATE_TEST_SUITE_P(Each, RefusedPath, testing::ValuesIn(kBadPaths),
                          [](const auto& path) { return std::string(path.param.name); });
 
 class RefusedPathFile : public ProgramTest {};
+
+// Nobody writes into the pipe: whoever waits for that waits for ever.
+TEST_F(RefusedPathFile, PipesAreNotWaitedFor) {
+  ASSERT_EQ(mkfifo(file("pipe").c_str(), 0600), 0);
+  expectRefusal(run(quickTouchAlong("pipe", "phantom:sphere?size=16")), "pipe", "cannot be read", 4);
+  expectRefusal(run({"touch", "pipe.toml"}), "pipe.toml", "cannot be opened", 3);
+  ASSERT_EQ(mkfifo(file("pipe.toml").c_str(), 0600), 0);
+  expectRefusal(run({"touch", "pipe.toml"}), "pipe.toml", "it is no plain file", 2);
+  std::filesystem::create_directory(file("journal"));
+  ASSERT_EQ(mkfifo(file("journal/journal.palpate").c_str(), 0600), 0);
+  expectRefusal(run({"recover", "journal", "--out", "back.vdb"}), "journal.palpate", "it is no plain file", 2);
+  expectRefusal(run({"touch", "phantom:sphere?size=16", "--device", "recorded", "--recording", "pipe"}), "pipe",
+                "the recording is no plain file", 2);
+  EXPECT_FALSE(exists("out"));
+}
 
 TEST_F(RefusedPathFile, MissingOrNoFile) {
   std::filesystem::create_directory(file("way"));

@@ -463,6 +463,30 @@ TEST_F(BadClients, OneThatSaysNothing) {
   EXPECT_EQ(status()["clients"], 1);
 }
 
+// Those that asked once and stay. While they are not idle yet the operator and the servo are let in all the same, and
+// others are told; then the idle ones make room, one for each who comes.
+TEST_F(BadClients, IdleOnesKeepNobodyOut) {
+  constexpr std::size_t kPlaces = 32;  // docs/service.md
+  std::vector<Channel> idle;
+  for (std::size_t i = 0; i < kPlaces; ++i) {
+    idle.push_back(connected());
+    ASSERT_TRUE(idle.back().send(question(wire::Verb::Status), 1000));
+    Packet answer;
+    ASSERT_EQ(idle.back().receive(answer, 60'000), Channel::Got::kPacket);
+  }
+  EXPECT_EQ(status()["clients"], kPlaces + 1);
+  expectRefusal(ctl({"get", "servo.n"}), "the service", "32 clients are connected, and no more are served at once", 5);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  Outcome got = ctl({"get", "servo.n"});
+  while (got.status != 0 && std::chrono::steady_clock::now() < end) got = ctl({"get", "servo.n"});
+  EXPECT_EQ(got.status, 0) << got.err;
+  Packet last;
+  ASSERT_EQ(idle.front().receive(last, 60'000), Channel::Got::kPacket);
+  const std::string words(reinterpret_cast<const char*>(last.bytes.data()), last.bytes.size());
+  EXPECT_THAT(words, HasSubstr("others waited for its place"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
+}
+
 TEST_F(BadClients, OneThatAsksTooOften) {
   Channel client = connected();
   // The rate itself is held in asking_rate_test.cpp; here a client must be fast enough to exceed it.

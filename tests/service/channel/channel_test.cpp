@@ -14,6 +14,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
@@ -21,6 +22,7 @@
 #include <sys/un.h>
 #include <sys/wait.h>
 
+#include "tests/support/few_descriptors.hpp"
 #include "tests/support/open_descriptors.hpp"
 #include "tests/support/refusal.hpp"
 
@@ -199,6 +201,57 @@ TEST_F(Listening, ConnectsThisUsersProcesses) {
   Packet packet;
   EXPECT_EQ(served.receive(packet, 0), Got::kPacket);
   EXPECT_EQ(textOf(packet), "hello");
+}
+
+// Where no file can be opened a connection waits, and nobody who waits for the listener is woken for it again and
+// again. Once there is room it is let in.
+TEST_F(Listening, RestsWhereNoDescriptorIsLeft) {
+  Listener listener(path());
+  const Channel client = connectTo(path());
+  ASSERT_GE(listener.descriptor(), 0);
+  int woken = 0;
+  {
+    const FewDescriptors none;
+    for (int i = 0; i < 20; ++i) {
+      pollfd wait{listener.descriptor(), POLLIN, 0};
+      if (poll(&wait, 1, 10) <= 0) continue;
+      ++woken;
+      EXPECT_FALSE(listener.accept().open());
+      EXPECT_TRUE(listener.lacksDescriptors());
+    }
+  }
+  EXPECT_GE(woken, 1);
+  EXPECT_LE(woken, 3);  // in some 0.2 s
+  pollfd wait{-1, POLLIN, 0};
+  while (wait.fd < 0) wait.fd = listener.descriptor();
+  EXPECT_EQ(poll(&wait, 1, 10'000), 1);
+  EXPECT_TRUE(listener.accept().open());
+  EXPECT_FALSE(listener.lacksDescriptors());
+}
+
+// As many as may wait do, and nobody is let in: that is told as what it is, after a while.
+TEST_F(Listening, SaysThatNobodyIsLetIn) {
+  Listener listener(path());
+  std::vector<Channel> waiting;
+  std::string words;
+  while (words.empty()) {
+    ASSERT_LT(waiting.size(), 100U);
+    try {
+      waiting.push_back(connectTo(path(), 50));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), Error::Code::kDevice);
+      words = error.what();
+    }
+  }
+  EXPECT_THAT(words, HasSubstr("the service lets nobody in: its engine hangs, or still loads its volume"));
+  // Whoever has patience is let in when somebody is.
+  std::thread later([&] {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+    while (std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    static_cast<void>(listener.accept());
+  });
+  EXPECT_TRUE(connectTo(path(), 60'000).open());
+  later.join();
 }
 
 TEST_F(Listening, IsForThisUserAlone) {

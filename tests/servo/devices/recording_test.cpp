@@ -76,7 +76,7 @@ TEST(Recording, ComesBackToTheBit) {
   for (const int ticks : {1, 2, 100, 255, 256, 257, 9000}) {
     const Recording r = anyRecording(static_cast<unsigned>(ticks), ticks);
     const Recording back = readRecording(recordingBytes(r), "a");
-    EXPECT_TRUE(back.is_whole);
+    EXPECT_EQ(back.damage, "");
     EXPECT_EQ(back.device, r.device);
     EXPECT_EQ(back.rate_hz, r.rate_hz);
     EXPECT_EQ(back.contact.stiffness_N_per_m, r.contact.stiffness_N_per_m);
@@ -125,7 +125,7 @@ TEST(Recording, OfACutFileGivesWhatIsWhole) {
   for (std::size_t length = 0; length < bytes.size(); length += 1 + length / 50) {
     try {
       const Recording cut = readRecording(std::string_view(bytes).substr(0, length), "a.rec");
-      EXPECT_FALSE(cut.is_whole) << length;
+      EXPECT_THAT(cut.damage, HasSubstr("is cut short")) << length;
       EXPECT_TRUE(cut.ticks.size() % 256 == 0 || cut.ticks.size() == 10'000) << length;
       for (std::size_t i = 0; i < cut.ticks.size(); ++i) ASSERT_TRUE(same(cut.ticks[i], r.ticks[i])) << length;
       EXPECT_GE(cut.ticks.size(), least);
@@ -136,7 +136,7 @@ TEST(Recording, OfACutFileGivesWhatIsWhole) {
     }
   }
   EXPECT_GE(least, 9728U);
-  EXPECT_FALSE(readRecording(bytes + "x", "a").is_whole);
+  EXPECT_EQ(readRecording(bytes + "x", "a").damage, "1 bytes follow its end");
 }
 
 // Every changed bit is seen: in the header it is refused, in a block that block and what follows is left out.
@@ -148,7 +148,7 @@ TEST(Recording, OfADamagedFileGivesNothingWrong) {
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ 1 << bit % 8);
     try {
       const Recording read = readRecording(damaged, "a");
-      EXPECT_FALSE(read.is_whole) << bit;
+      EXPECT_NE(read.damage, "") << bit;
       for (std::size_t i = 0; i < read.ticks.size(); ++i) ASSERT_TRUE(same(read.ticks[i], r.ticks[i])) << bit;
     } catch (const Error& error) {
       EXPECT_EQ(error.code(), Error::Code::kBadInput);
@@ -161,6 +161,8 @@ TEST(Recording, RefusesWhatIsNone) {
     return refusalOf([&] { static_cast<void>(readRecording(bytes, "a.rec")); });
   };
   EXPECT_THAT(refusal(""), HasSubstr("it is no recording"));
+  EXPECT_THAT(refusal("PALPREC1" + std::string(500, 'x')), HasSubstr("of another form than PALPREC2"));
+  EXPECT_THAT(refusal("PALPREC3"), HasSubstr("play it with the Palpate that recorded it"));
   EXPECT_THAT(refusal("PALPREC2"), HasSubstr("its header is damaged"));
   Recording none{.device = "d", .rate_hz = 1000};
   EXPECT_THAT(refusal(recordingBytes(none)), HasSubstr("no tick of it can be read"));
