@@ -121,6 +121,15 @@ struct Person {
     input.wheel = input.dx = input.dy = 0;
   }
 
+  // A second of frames, each of which is drawn at once.
+  void lookOn(Scene& scene) {
+    for (int i = 0; i < 60; ++i) {
+      frame(scene);
+      scene.draw(0);
+      scene.step(16);
+    }
+  }
+
   OrbitView view;
   PointerLead lead;
   Gestures gestures;
@@ -280,11 +289,7 @@ TEST(PointerLead, ViewKeysLiftTheTool) {
     for (const ViewKey key : {ViewKey::kFront, ViewKey::kBack, ViewKey::kRight, ViewKey::kLeft, ViewKey::kTop,
                               ViewKey::kBottom, ViewKey::kFront, ViewKey::kTop, ViewKey::kRight, ViewKey::kBack}) {
       person.input.view_key = key;
-      for (int i = 0; i < 60; ++i) {
-        person.frame(scene);
-        scene.draw(0);
-        scene.step(16);
-      }
+      person.lookOn(scene);
       const Vec3 hip_W = asVec3(scene.tick().hip_W);
       const Vec3 seen_from_W = person.view.camera().position_W.normalized();
       EXPECT_GT(hip_W.normalized().dot(seen_from_W), 0.999);
@@ -303,11 +308,7 @@ TEST(PointerLead, LeadsTheToolOutOfWhatIsNotDrawnButNotOutOfWhatItAdds) {
   const Body body = ball(0.04);
   Scene scene(body.surface, body.object);
   Person person(body.object, 160, 120);
-  for (int i = 0; i < 60; ++i) {
-    person.frame(scene);
-    scene.draw(0);
-    scene.step(16);
-  }
+  person.lookOn(scene);
   const Vec3 normal_W = person.view.camera().position_W.normalized();
   const double reach_m = person.reach.depth_m, radius_m = 3e-3;
   TickRecord tick = scene.tick();
@@ -345,11 +346,7 @@ TEST(PointerLead, AStrokeOverASurfaceDoesNotLeap) {
   for (const Body& body : {ball(0.04), head()}) {
     Scene scene(body.surface, body.object);
     Person person(body.object, 160, 120);
-    for (int i = 0; i < 60; ++i) {
-      person.frame(scene);
-      scene.draw(0);
-      scene.step(16);
-    }
+    person.lookOn(scene);
     const int before = scene.leaps;
     person.input.left = true;
     const double pixel_m =
