@@ -47,16 +47,25 @@ double quietJump(const SampledLoop& loop) {
   return 2 * std::max(loop.hand.device_friction_N, kLeastFriction_N);
 }
 
+// A damping that answers a step by more than this many times as much shakes whatever else is true: more than was tried.
+constexpr double kMostJumps = 10;
+
+bool isDampedQuietly(const SampledLoop& loop, double damping_Ns_per_m, double resolution_m) {
+  return forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m) <= kMostJumps * quietJump(loop);
+}
+
 // Whether such swings die.
 bool isQuiet(const SampledLoop& loop, const Wall& wall, double resolution_m) {
   constexpr double kRounding = 1e-9;  // of quietStiffness()
+  if (!isDampedQuietly(loop, wall.damping_Ns_per_m, resolution_m)) return false;
   return forceOfAStep(loop, wall, resolution_m) <= quietJump(loop) * (1 + kRounding) ||
          isStable(loop, {wall.stiffness_N_per_m * (1 - kRounding), 0});
 }
 
-// The stiffness up to which they do.
+// The stiffness up to which they do; 0: none.
 double quietStiffness(const SampledLoop& loop, double damping_Ns_per_m, double resolution_m) {
   if (!(resolution_m > 0)) return std::numeric_limits<double>::infinity();
+  if (!isDampedQuietly(loop, damping_Ns_per_m, resolution_m)) return 0;
   const double by_friction = (quietJump(loop) - forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m)) / resolution_m;
   return std::max(by_friction, stiffnessBound(loop, 0));
 }
@@ -146,13 +155,40 @@ std::string stiffnessWarning(const RigSettings& settings, const Worst& worst, co
       other(worst, wallOf(settings, worst.way, roundingGain(device)), device.limits()));
 }
 
-// No wall settles with this damping.
-std::string dampingWarning(const RigSettings& settings, const Worst& worst, const Device& device) {
-  const double most = dampingBound(worst.loop, kSoftest_N_per_m) / 2;
+// The largest damping with which some wall settles in every hand [N s/m].
+double mostDamping(const LoopParameters& parameters, const Device& device) {
+  const double gain = roundingGain(device), resolution_m = device.limits().position_resolution_m;
+  double most = kMostDamping_Ns_per_m;
+  for (const HandParameters& hand : device.hands()) {
+    const SampledLoop loop = sampledLoop(parameters, device, hand);
+    const auto settles = [&](double damping) {
+      return isDampedQuietly(loop, damping, resolution_m) &&
+             settlesSoon(loop, {kSoftest_N_per_m * gain, damping * gain});
+    };
+    double settled = 0, beyond = std::min(most, dampingBound(loop, kSoftest_N_per_m));
+    constexpr int kHalvings = 16;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (settled + beyond);
+      (settles(middle) ? settled : beyond) = middle;
+    }
+    most = std::min(most, settled);
+  }
+  return most;
+}
+
+// No wall settles with this damping. What is named ends every warning.
+std::string dampingWarning(const RigSettings& settings, const LoopParameters& loop, const Worst& worst,
+                           const Device& device) {
+  RigSettings safe = settings;
+  safe.parameters.damping_Ns_per_m = twoDigits(mostDamping(loop, device), std::floor);
+  const double stiffness = twoDigits(worstOf(safe, loop, device).settling_N_per_m, std::floor);
+  const std::string softer = stiffness < settings.parameters.stiffness_N_per_m
+                                 ? fmt::format(" with a stiffness of at most {:g} N/m", stiffness)
+                                 : std::string();
   return fmt::format(
       "a damping of {:g} N s/m is more than this device can render {}, so the contact will shake at any stiffness; "
-      "give at most {:g} N s/m{}",
-      settings.parameters.damping_Ns_per_m, conditionWords(worst.loop), twoDigits(most, std::floor),
+      "give at most {:g} N s/m{}{}",
+      settings.parameters.damping_Ns_per_m, conditionWords(worst.loop), safe.parameters.damping_Ns_per_m, softer,
       other(worst, wallOf(settings, worst.way, roundingGain(device)), device.limits()));
 }
 
@@ -199,9 +235,7 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
 double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   const double asked = settings.parameters.damping_Ns_per_m;
   if (!device.limits().follows_force || !algorithmEntry(settings.algorithm).traits.shows_surface) return asked;
-  double most = asked;
-  for (const HandParameters& hand : device.hands())
-    most = std::min(most, 0.5 * dampingBound(sampledLoop(loop, device, hand), kSoftest_N_per_m));
+  const double most = device.hands().empty() ? asked : mostDamping(loop, device);
   return most < asked ? twoDigits(most, std::floor) : asked;
 }
 
@@ -210,7 +244,7 @@ std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopPa
   if (!algorithmEntry(settings.algorithm).traits.shows_surface || !shakes(settings, loop, device)) return {};
   const Worst worst = worstOf(settings, loop, device);
   if (worst.settling_N_per_m > 0) return {stiffnessWarning(settings, worst, device)};
-  return {dampingWarning(settings, worst, device)};
+  return {dampingWarning(settings, loop, worst, device)};
 }
 
 }  // namespace palpate

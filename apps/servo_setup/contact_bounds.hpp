@@ -33,8 +33,8 @@ namespace palpate {
 // make passive (servo/stability/passivity_bounds.hpp), in two digits. A device that no force moves gets the settings'.
 [[nodiscard]] double usualStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
-// The damping to begin with there [N s/m]: the settings', at most half of what is stable in every hand with the softest
-// wall, in two digits.
+// The damping to begin with there [N s/m]: the settings', at most the largest with which some wall settles in every
+// hand, in two digits.
 [[nodiscard]] double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // What lies beyond the bounds, one line each, with the values that would be safe. Empty: nothing does, or nothing is

@@ -197,6 +197,7 @@ double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m, double p
 }
 
 bool settlesSoon(const SampledLoop& loop, const Wall& wall) {
+  if (wall.damping_Ns_per_m > 0 && !isStable(loop, {kSoftest_N_per_m, 2 * wall.damping_Ns_per_m})) return false;
   if (loop.delay_ticks > kMostExactDelay)
     return isStable(loop, {3 * wall.stiffness_N_per_m, 3 * wall.damping_Ns_per_m}) && isStable(loop, wall);
   const LateFeedback form = characteristic(loop, wall);

@@ -63,6 +63,8 @@ inline constexpr double kBoundPrecision = 1e-3;
 //   that moves by a are then at most Q a, with Q = pi / -ln(1 - kLossAPeriod) = 29.8. SwingWatch takes swings of more
 //   than kAnswered = 40 times what asked for them, and swings that lose less than 5.6 % a period, for unstable;
 // - nine tenths of itself within kLongestRing_s, or in a round of a delay that takes longer, however slow it is.
+// A damping may be half of what is stable with the softest wall at most: a tool that lands meets all of it at once, and
+// leaves again.
 // No more is asked than half of the loss of hand and device without a wall, in a period and in a second: a wall cannot
 // damp what they do not. With a delay of more than kMostExactDelay ticks a wall settles if one that is three times as
 // stiff and damped is stable: its modes are as many as the delay has ticks.

@@ -106,6 +106,12 @@ TEST(ContactBounds, WarnWhereTheLoopDoesNotSettleAndNameValuesWithWhichItDoes) {
       const double safe_damping = numberAfter(warnings[0], "give at most ");
       EXPECT_GT(settlingStiffness(loop, safe_damping), 0) << warnings[0];
       EXPECT_LE(safe_damping, 0.5 * dampingBound(loop, kSoftest_N_per_m)) << warnings[0];
+      // Both values that are named end every warning.
+      RigSettings told = settings;
+      told.parameters.damping_Ns_per_m = safe_damping;
+      const double softer = numberAfter(warnings[0], "with a stiffness of at most ");
+      if (!std::isnan(softer)) told.parameters.stiffness_N_per_m = softer;
+      EXPECT_THAT(boundWarnings(told, parameters, device), testing::IsEmpty()) << warnings[0];
       EXPECT_EQ(settlingStiffness(loop, damping), 0) << warnings[0];
     }
   }
@@ -215,7 +221,8 @@ TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
              settings.parameters.damping_Ns_per_m * speed_m_per_s;
     };
     const auto swings = [&](double stiffness) {
-      return jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0});
+      const double damping_N = settings.parameters.damping_Ns_per_m * speed_m_per_s;
+      return damping_N > 10 * quiet_N || (jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0}));
     };
     const double stiffness = settings.parameters.stiffness_N_per_m;
     const bool settles = settlesSoon(sampled, {gain * stiffness * factor, gain * settings.parameters.damping_Ns_per_m});
