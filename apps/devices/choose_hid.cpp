@@ -47,7 +47,7 @@ DeviceValues valuesOf(const DeviceKind& kind, const HidInfo& device) {
       others.empty() ? "no HID device is there at all" : fmt::format("there are only {}", fmt::join(others, "; "));
   throw Error(Error::Code::kNotFound, fmt::format("device {}", kind.name),
               fmt::format("none of this machine's HID devices is one ({}); {}", numbersOf(kind), there),
-              "plug it in; 'palpate doctor' tells what it finds");
+              "plug it in; 'palpate devices' lists what is here");
 }
 
 const HidInfo& chooseAt(const DeviceKind& kind, std::span<const HidInfo> all, const std::string& path) {

@@ -10,6 +10,7 @@
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "engine/field/few_values.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/filter_passes/filter_chain.hpp"
@@ -21,6 +22,23 @@ void checkIsovalueIsUsed(std::span<const FilterSpec> chain, const std::string& t
   throw Error(Error::Code::kBadInput, "--iso", fmt::format("no filter of \"{}\" has a use for an isovalue", text),
               "leave it out, or add a distance");
 }
+
+namespace {
+
+// Where the surface is before the filters, if that is a fact of the volume: told by its file or phantom, or that of a
+// mask, which lies half-way between its two values. A filter blurs these, and a histogram of the result finds another
+// place.
+std::optional<double> knownSurface(const Volume& volume) {
+  const VolumeFacts& facts = volume.facts();
+  if (facts.kept_isovalue) return facts.kept_isovalue;
+  if (facts.declared_isovalue) return facts.declared_isovalue;
+  if (!(volume.minimum() < volume.maximum())) return {};
+  const double isovalue = defaultIsovalue(volume);
+  const auto few = fewValuesOf(volume, isovalue);
+  return few && few->values.size() == 2 ? std::optional(isovalue) : std::nullopt;
+}
+
+}  // namespace
 
 FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   const Stopwatch watch;
@@ -64,7 +82,7 @@ FilterResult filterFile(const FilterRequest& request, Progress& progress) {
   result.filter_s = filtering.seconds();
   progress.stage("bringing the result back");
   VolumeFacts facts = volume.facts();
-  const std::optional<double> known = facts.kept_isovalue ? facts.kept_isovalue : facts.declared_isovalue;
+  const std::optional<double> known = knownSurface(volume);
   if (known || isovalue) facts.kept_isovalue = isovalueAfter(chain, known ? static_cast<float>(*known) : *isovalue);
   result.surface = facts.kept_isovalue;
   const Volume filtered = volumeOf(filters ? filters->result() : pool, transfer, facts);

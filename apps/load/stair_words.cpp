@@ -27,7 +27,8 @@ std::string filterWords(FilterGiven given) {
 }
 
 // Labels are names, not densities: those above the isovalue are felt as one, and a low-pass moves the surface of each
-// by another length, since the isovalue is half-way between two of them at most.
+// by another length, since the isovalue is half-way between two of them at most. So it is no remedy, and a plan that
+// has one is told the same.
 std::string labelWords(const std::vector<float>& values, double isovalue, FilterGiven given) {
   const float lowest = *std::upper_bound(values.begin(), values.end(), static_cast<float>(isovalue));
   const std::string felt = lowest == values.back()
@@ -64,8 +65,6 @@ Stairs stairsOf(const Volume& volume, double isovalue) {
 }
 
 std::string stairWords(const Volume& volume, double isovalue, const Plan& plan, FilterGiven given) {
-  const double contrast = static_cast<double>(volume.maximum()) - static_cast<double>(volume.minimum());
-  if (smoothsStairs(plan, volume.lattice().spacing_m, contrast)) return {};  // without a look
   return stairWords(stairsOf(volume, isovalue), isovalue, plan, given);
 }
 
@@ -74,9 +73,11 @@ std::string stairWords(const Stairs& stairs, double isovalue, const Plan& plan, 
   const auto threshold = static_cast<float>(isovalue);  // as kernels and servo compare
   if (values.empty() || !(values.front() <= threshold && threshold < values.back())) return {};
   const double contrast = static_cast<double>(values.back()) - static_cast<double>(values.front());
-  if (smoothsStairs(plan, stairs.spacing_m, contrast)) return {};
-  std::string words = fmt::format("it holds {}, so its surface is felt as stairs", valueWords(values));
-  if (values.size() > 2) return words + labelWords(values, isovalue, given);
+  const bool is_smooth = smoothsStairs(plan, stairs.spacing_m, contrast), is_mask = values.size() == 2;
+  if (is_smooth && is_mask) return {};
+  std::string words = fmt::format("it holds {}", valueWords(values));
+  if (!is_smooth) words += ", so its surface is felt as stairs";
+  if (!is_mask) return words + labelWords(values, isovalue, given);
   words += fmt::format(": {} smooths them, but removes walls thinner than 2 voxels and rods thinner than 4",
                        filterWords(given));
   if (given == FilterGiven::kAsOption) {

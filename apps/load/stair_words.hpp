@@ -34,8 +34,8 @@ struct Stairs {
 };
 [[nodiscard]] Stairs stairsOf(const Volume& volume, double isovalue);
 
-// One sentence or two, without the volume's name; "" where nothing is to be said: the volume has many values, what the
-// plan does to it smooths them (smoothsStairs), or the isovalue does not part them.
+// One sentence or two, without the volume's name; "" where nothing is to be said: the volume has many values, it is a
+// mask that the plan smooths (smoothsStairs), or the isovalue does not part it.
 [[nodiscard]] std::string stairWords(const Stairs& stairs, double isovalue, const Plan& plan, FilterGiven given);
 [[nodiscard]] std::string stairWords(const Volume& volume, double isovalue, const Plan& plan, FilterGiven given);
 

@@ -34,8 +34,14 @@ std::vector<std::string> flagsOf(const CLI::App& verb) {
   return flags;
 }
 
-// "--clock: At Most 1 required but received 2" in plain words.
+// "--clock: At Most 1 required but received 2", "Could not convert: --iso = foo" in plain words.
 std::string plainWords(const std::string& message) {
+  constexpr std::string_view kNoNumber = "Could not convert: ", kIs = " = ";
+  if (message.starts_with(kNoNumber)) {
+    const std::size_t end = std::min(message.find(kIs), message.size() - kIs.size());
+    return fmt::format("{}: '{}' is not a number", message.substr(kNoNumber.size(), end - kNoNumber.size()),
+                       message.substr(end + kIs.size()));
+  }
   const std::string flag = message.substr(0, message.find(':'));
   if (message.find("At Most 1 required but received") != std::string::npos)
     return flag + ": it is given more than once; give it once";

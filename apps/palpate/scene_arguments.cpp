@@ -3,6 +3,8 @@
 
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "apps/scene/scene_command.hpp"
@@ -28,10 +30,26 @@ SceneArguments::SceneArguments(CLI::App& verb, Of of) : values_(sceneOptions().s
       ->group(optionGroup(*optionOfKey("volume")));
 }
 
+namespace {
+
+// A scene may name a file that everybody has to get for himself.
+void checkVolumeIsThere(const std::string& volume, const std::string& scene_file) {
+  if (volume.starts_with("phantom:")) return;
+  std::error_code failure;
+  if (std::filesystem::exists(parseVolumeName(volume).path, failure) || failure) return;
+  throw Error(Error::Code::kNotFound, volume,
+              fmt::format("there is no such file or folder, and {} names it", scene_file),
+              "put it there; the scene's first lines may say where it comes from");
+}
+
+}  // namespace
+
 Scene SceneArguments::scene() const {
   Scene scene;
+  std::string of_file;  // the volume that a scene file names
   if (std::filesystem::path(source_).extension() == kSceneExtension) {
     readSceneFile(source_, scene);
+    of_file = scene.volume;
   } else {
     scene.volume = source_;
   }
@@ -44,6 +62,7 @@ Scene SceneArguments::scene() const {
     throw Error(Error::Code::kBadInput, source_.empty() ? "VOLUME" : source_, "no volume is given",
                 "name a file, a DICOM folder or a phantom, for example 'phantom:sphere?size=64'");
   }
+  if (scene.volume == of_file) checkVolumeIsThere(scene.volume, source_);
   if (!scene.series.empty()) scene.volume = withSeries(scene.volume, scene.series);
   if (!scene.nan.empty()) scene.volume = withNan(scene.volume, scene.nan);
   return scene;

@@ -118,6 +118,8 @@ DeviceValues limitsFor(const DeviceKind& kind, const DeviceValues& stated, bool 
 }
 
 void calibrate(const CalibrateArguments& arguments) {
+  if (arguments.device.empty())
+    throw Error(Error::Code::kBadInput, "--device", "no device is named", "'palpate devices' lists what is here");
   const DeviceKind* kind = deviceKindNamed(arguments.device);
   if (kind == nullptr) {
     printResult("{} needs no calibration.\n", arguments.device);
@@ -162,7 +164,6 @@ void addCalibrateVerb(CLI::App& app) {
   verb->footer("Example: palpate calibrate --device polhem-v1");
   auto arguments = std::make_shared<CalibrateArguments>();
   addDeviceFlags(*verb, {.device = arguments->device, .path = arguments->path, .by_libusb = arguments->by_libusb});
-  verb->get_option("--device")->required();
   verb->add_flag("--yes", arguments->yes, "it is there now; do not ask");
   verb->add_flag("--check", arguments->check,
                  "see that its motors pull the right way: without that no force is more than 1 N");

@@ -76,14 +76,19 @@ std::string swingWords(const ContactStability& s) {
                      shortNumber(s.swing_hz));
 }
 
+// What an unstable contact is mended by.
+std::string remedyWords(const ContactStability& s, const RunFigures& f) {
+  return fmt::format("lower --stiffness{}, raise --rate, or {}{}", s.delay_ticks > 0 ? " or --delay" : "",
+                     s.damps_late ? "lower --damping, which comes too late to brake" : "raise --damping",
+                     f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
+}
+
 std::string unstableWords(const ContactStability& s, const RunFigures& f) {
   const auto times = [](int count) { return counted(static_cast<std::uint64_t>(count), "time"); };
-  return fmt::format(
-      "unstable: {}, {} in all, and the surface fed it{}; lower --stiffness{}, raise --rate, or raise --damping "
-      "(up to about the moved mass over the tick and the velocity's delay; more shakes by itself){}",
-      swingWords(s), counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
-      s.ended_by_servo > 0 ? "; the servo took the force away " + times(s.ended_by_servo) : "",
-      s.delay_ticks > 0 ? " or --delay" : "", f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
+  return fmt::format("unstable: {}, {} in all, and the surface fed it{}; {}", swingWords(s),
+                     counted(static_cast<std::uint64_t>(s.bounces), "bounce"),
+                     s.ended_by_servo > 0 ? "; the servo took the force away " + times(s.ended_by_servo) : "",
+                     remedyWords(s, f));
 }
 
 // The likely cause of the activity, and what lessens it.
@@ -92,14 +97,15 @@ std::string sourceWords(const ContactStability& s, const RunFigures& f) {
     case ActivitySource::kEdits:
       return "the volume was edited under the tool, which moves the surface against the hand";
     case ActivitySource::kSampledWall:
-      return fmt::format("a sampled wall with less damping than {} does so; more --damping{} or a higher --rate",
+      return fmt::format("a sampled wall with less damping than {} does so; {}{} or a higher --rate",
                          s.delay_ticks > 0 ? fmt::format("K T (1/2 + {})", s.delay_ticks) : "K T / 2",
+                         s.damps_late ? "less --stiffness" : "more --damping",
                          s.delay_ticks > 0 ? ", a shorter --delay" : "") +
              (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
     default:
       return std::string("the damping is enough for this stiffness and rate, so it is the field: where samples are ") +
-             "few or noisy its normals are not those of its surface; --gradient-operator sobel or --algorithm " +
-             "god-object" + (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
+             "few or noisy its normals are not those of its surface; --filter gaussian:1 or --algorithm god-object" +
+             (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
   }
 }
 
@@ -107,9 +113,7 @@ std::string sourceWords(const ContactStability& s, const RunFigures& f) {
 std::string stabilityClause(const ContactStability& s, const RunFigures& f) {
   switch (s.verdict) {
     case ContactVerdict::kUnstable:
-      return fmt::format("; the contact was unstable: lower --stiffness{}, raise --rate or --damping{}",
-                         s.delay_ticks > 0 ? " or --delay" : "",
-                         f.damped_ticks > 0 ? "" : ", or use --passivity control");
+      return "; the contact was unstable: " + remedyWords(s, f);
     case ContactVerdict::kSlightlyActive:
       return "; the contact was slightly active";
     case ContactVerdict::kQuiet:

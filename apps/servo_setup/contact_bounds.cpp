@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,8 +15,8 @@ namespace {
 
 // Encoders that round make a wall up to 4 / pi stiffer, and its damping as much stronger, for swings of about a step
 // (the describing function of a quantiser).
-double roundingGain(const Device& device) {
-  return device.limits().position_resolution_m > 0 ? 4 / M_PI : 1;
+double roundingGain(double resolution_m) {
+  return resolution_m > 0 ? 4 / M_PI : 1;
 }
 
 // A direction in which the contact holds the tool: by how much of the settings' stiffness, and how damped.
@@ -70,11 +71,36 @@ double quietStiffness(const SampledLoop& loop, double damping_Ns_per_m, double r
   return std::max(by_friction, stiffnessBound(loop, 0));
 }
 
-SampledLoop sampledLoop(const LoopParameters& loop, const Device& device, const HandParameters& hand) {
-  return {.hand = hand,
-          .rate_hz = loop.rate_hz,
-          .delay_ticks = device.limits().force_delay_ticks,
-          .velocity_cutoff_hz = loop.velocity.name == VelocityParameters{}.name ? loop.velocity.cutoff_hz : 0};
+// What is asked whether it shakes.
+struct Contact {
+  RigSettings settings;
+  LoopParameters loop;
+  DeviceLimits limits;
+  std::vector<HandParameters> hands;
+
+  Contact(const RigSettings& of_settings, const LoopParameters& of_loop, const Device& device)
+      : settings(of_settings), loop(of_loop), limits(device.limits()), hands(device.hands()) {}
+  [[nodiscard]] SampledLoop in(const HandParameters& hand) const {
+    return {.hand = hand,
+            .rate_hz = loop.rate_hz,
+            .delay_ticks = limits.force_delay_ticks,
+            .velocity_cutoff_hz = loop.velocity.name == VelocityParameters{}.name ? loop.velocity.cutoff_hz : 0};
+  }
+  [[nodiscard]] bool isKnown() const {
+    return !hands.empty() && algorithmEntry(settings.algorithm).traits.shows_surface;
+  }
+};
+
+// In one of the hands: whether it swings on, or for long.
+bool shakes(const Contact& contact) {
+  const double resolution_m = contact.limits.position_resolution_m;
+  return !std::ranges::all_of(contact.hands, [&](const HandParameters& hand) {
+    const SampledLoop loop = contact.in(hand);
+    return std::ranges::all_of(ways(contact.settings), [&](const Way& way) {
+      return isQuiet(loop, wallOf(contact.settings, way), resolution_m) &&
+             settlesSoon(loop, wallOf(contact.settings, way, roundingGain(resolution_m)));
+    });
+  });
 }
 
 // The hand, and the way, in which the contact may be least stiff.
@@ -85,16 +111,16 @@ struct Worst {
   bool by_encoders = false;                                           // their steps bound it, not the linear loop
 };
 
-Worst worstOf(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+Worst worstOf(const Contact& contact) {
   Worst worst;
-  const double resolution_m = device.limits().position_resolution_m, gain = roundingGain(device);
-  for (const HandParameters& hand : device.hands()) {
-    for (const Way& way : ways(settings)) {
-      const SampledLoop sampled = sampledLoop(loop, device, hand);
-      const double linear = settlingStiffness(sampled, way.damping_Ns_per_m * gain) / gain / way.factor;
-      const double quiet = quietStiffness(sampled, way.damping_Ns_per_m, resolution_m) / way.factor;
+  const double resolution_m = contact.limits.position_resolution_m, gain = roundingGain(resolution_m);
+  for (const HandParameters& hand : contact.hands) {
+    for (const Way& way : ways(contact.settings)) {
+      const SampledLoop loop = contact.in(hand);
+      const double linear = settlingStiffness(loop, way.damping_Ns_per_m * gain) / gain / way.factor;
+      const double quiet = quietStiffness(loop, way.damping_Ns_per_m, resolution_m) / way.factor;
       const double settling = std::min(linear, quiet);
-      if (settling < worst.settling_N_per_m) worst = {sampled, way, settling, quiet < linear};
+      if (settling < worst.settling_N_per_m) worst = {loop, way, settling, quiet < linear};
     }
   }
   return worst;
@@ -107,17 +133,22 @@ double twoDigits(double value, double (*round)(double)) {
   return round(value / step) * step;
 }
 
-// Values with which the wall would settle. A device that sets the pace has its delay whatever the servo's rate, and
-// steps of encoders are bounded by stiffness and damping.
-std::string other(const Worst& worst, const Wall& wall, const DeviceLimits& device) {
+// A rate, or a delay, with which the contact would settle in every hand. A device that sets the pace has its delay
+// whatever the servo's rate.
+std::string other(const Contact& contact) {
   std::string words;
-  if (device.sets_pace || worst.by_encoders) return words;
-  const double rate_hz = settlingRate(worst.loop, wall);
+  if (contact.limits.sets_pace) return words;
+  Contact faster = contact;
+  const double rate_hz = leastRate([&](double tried_hz) {
+    faster.loop.rate_hz = tried_hz;
+    return !shakes(faster);
+  });
   if (std::isfinite(rate_hz)) words += fmt::format(", or a rate of {:g} Hz or more", twoDigits(rate_hz, std::ceil));
-  SampledLoop earlier = worst.loop;
-  while (--earlier.delay_ticks >= 0) {
-    if (!settlesSoon(earlier, wall)) continue;
-    words += fmt::format(", or a delay of at most {} tick{}", earlier.delay_ticks, earlier.delay_ticks == 1 ? "" : "s");
+  Contact earlier = contact;
+  while (--earlier.limits.force_delay_ticks >= 0) {
+    if (shakes(earlier)) continue;
+    const int ticks = earlier.limits.force_delay_ticks;
+    words += fmt::format(", or a delay of at most {} tick{}", ticks, ticks == 1 ? "" : "s");
     break;
   }
   return words;
@@ -129,45 +160,50 @@ std::string conditionWords(const SampledLoop& loop) {
                               : fmt::format("at {:g} Hz", loop.rate_hz);
 }
 
-// What the contact will do, and why.
-std::string reason(const RigSettings& settings, const Worst& worst, const Device& device) {
-  if (!isStable(worst.loop, wallOf(settings, worst.way, roundingGain(device)))) return "so the contact will shake";
-  if (!worst.by_encoders) return "so the contact may swing for long";
-  const double resolution_m = device.limits().position_resolution_m;
+std::string stepWords(const SampledLoop& loop, const Wall& wall, double resolution_m) {
   return fmt::format(
-      "so the contact may swing on, as a step of its encoders, {:.2g} um, makes the force jump by {:.2g} N and "
-      "friction quiets {:.2g} N",
-      1e6 * resolution_m, forceOfAStep(worst.loop, wallOf(settings, worst.way), resolution_m), quietJump(worst.loop));
+      "as a step of its encoders, {:.2g} um, makes the force jump by {:.2g} N and friction quiets {:.2g} N",
+      1e6 * resolution_m, forceOfAStep(loop, wall, resolution_m), quietJump(loop));
 }
 
-std::string stiffnessWarning(const RigSettings& settings, const Worst& worst, const Device& device) {
+// What the contact will do, and why.
+std::string reason(const Contact& contact, const Worst& worst) {
+  const double resolution_m = contact.limits.position_resolution_m;
+  if (!isStable(worst.loop, wallOf(contact.settings, worst.way, roundingGain(resolution_m))))
+    return "so the contact will shake";
+  if (!worst.by_encoders) return "so the contact may swing for long";
+  return "so the contact may swing on, " + stepWords(worst.loop, wallOf(contact.settings, worst.way), resolution_m);
+}
+
+std::string stiffnessWarning(const Contact& contact, const Worst& worst) {
   const double factor = worst.way.factor;
+  const AlgorithmParameters& parameters = contact.settings.parameters;
   const std::string effects =
       factor == 1 ? std::string() : fmt::format(", which the effects make up to {:.3g} times as stiff", factor);
-  const std::string damping = worst.way.damping_Ns_per_m < settings.parameters.damping_Ns_per_m
+  const std::string damping = worst.way.damping_Ns_per_m < parameters.damping_Ns_per_m
                                   ? std::string("along the surface, where effects hold it without damping,")
                                   : fmt::format("with a damping of {:g} N s/m", worst.way.damping_Ns_per_m);
   return fmt::format(
       "a stiffness of {:g} N/m{} is more than this device can render {}, {}: {} it settles up to {:g} N/m; give at "
       "most that{}",
-      settings.parameters.stiffness_N_per_m, effects, conditionWords(worst.loop), reason(settings, worst, device),
-      damping, twoDigits(worst.settling_N_per_m, std::floor),
-      other(worst, wallOf(settings, worst.way, roundingGain(device)), device.limits()));
+      parameters.stiffness_N_per_m, effects, conditionWords(worst.loop), reason(contact, worst), damping,
+      twoDigits(worst.settling_N_per_m, std::floor), other(contact));
 }
 
 // The largest damping with which some wall settles in every hand [N s/m].
-double mostDamping(const LoopParameters& parameters, const Device& device) {
-  const double gain = roundingGain(device), resolution_m = device.limits().position_resolution_m;
+double mostDamping(const Contact& contact) {
+  const double resolution_m = contact.limits.position_resolution_m, gain = roundingGain(resolution_m);
   double most = kMostDamping_Ns_per_m;
-  for (const HandParameters& hand : device.hands()) {
-    const SampledLoop loop = sampledLoop(parameters, device, hand);
+  for (const HandParameters& hand : contact.hands) {
+    const SampledLoop loop = contact.in(hand);
     const auto settles = [&](double damping) {
       return isDampedQuietly(loop, damping, resolution_m) &&
              settlesSoon(loop, {kSoftest_N_per_m * gain, damping * gain});
     };
-    double settled = 0, beyond = std::min(most, dampingBound(loop, kSoftest_N_per_m));
+    double settled = 0, beyond = std::min(most, usefulDamping(loop) / gain);
+    if (settles(beyond)) settled = beyond;
     constexpr int kHalvings = 16;
-    for (int i = 0; i < kHalvings; ++i) {
+    for (int i = 0; i < kHalvings && settled < beyond; ++i) {
       const double middle = 0.5 * (settled + beyond);
       (settles(middle) ? settled : beyond) = middle;
     }
@@ -176,44 +212,50 @@ double mostDamping(const LoopParameters& parameters, const Device& device) {
   return most;
 }
 
-// No wall settles with this damping. What is named ends every warning.
-std::string dampingWarning(const RigSettings& settings, const LoopParameters& loop, const Worst& worst,
-                           const Device& device) {
-  RigSettings safe = settings;
-  safe.parameters.damping_Ns_per_m = twoDigits(mostDamping(loop, device), std::floor);
-  const double stiffness = twoDigits(worstOf(safe, loop, device).settling_N_per_m, std::floor);
-  const std::string softer = stiffness < settings.parameters.stiffness_N_per_m
-                                 ? fmt::format(" with a stiffness of at most {:g} N/m", stiffness)
-                                 : std::string();
-  return fmt::format(
-      "a damping of {:g} N s/m is more than this device can render {}, so the contact will shake at any stiffness; "
-      "give at most {:g} N s/m{}{}",
-      settings.parameters.damping_Ns_per_m, conditionWords(worst.loop), safe.parameters.damping_Ns_per_m, softer,
-      other(worst, wallOf(settings, worst.way, roundingGain(device)), device.limits()));
+std::string dampingReason(const Worst& worst, double damping_Ns_per_m, double resolution_m) {
+  const Wall softest{kSoftest_N_per_m, damping_Ns_per_m * roundingGain(resolution_m)};
+  if (!isStable(worst.loop, softest)) return "so the contact will shake at any stiffness";
+  if (isDampedQuietly(worst.loop, damping_Ns_per_m, resolution_m))
+    return "as it comes too late to brake, so the contact may swing at any stiffness";
+  return "so the contact may swing on at any stiffness, " + stepWords(worst.loop, {0, damping_Ns_per_m}, resolution_m);
 }
 
-// In one of the hands: whether it swings on, or for long.
-bool shakes(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
-  return !std::ranges::all_of(device.hands(), [&](const HandParameters& hand) {
-    const SampledLoop sampled = sampledLoop(loop, device, hand);
-    return std::ranges::all_of(ways(settings), [&](const Way& way) {
-      return isQuiet(sampled, wallOf(settings, way), device.limits().position_resolution_m) &&
-             settlesSoon(sampled, wallOf(settings, way, roundingGain(device)));
-    });
-  });
+// No wall settles with this damping. What is named ends every warning.
+std::string dampingWarning(const Contact& contact, const Worst& worst) {
+  const double damping_Ns_per_m = contact.settings.parameters.damping_Ns_per_m, most = mostDamping(contact);
+  Contact safe = contact;
+  double stiffness = 0, safe_damping = 0;
+  for (const double share : {1.0, 0.5}) {  // at the border of what brakes the walls may be soft
+    safe.settings.parameters.damping_Ns_per_m = twoDigits(share * most, std::floor);
+    const double settling = twoDigits(worstOf(safe).settling_N_per_m, std::floor);
+    if (settling <= stiffness) continue;
+    stiffness = settling;
+    safe_damping = safe.settings.parameters.damping_Ns_per_m;
+  }
+  const std::string softer = stiffness < contact.settings.parameters.stiffness_N_per_m
+                                 ? fmt::format(" with a stiffness of at most {:g} N/m", stiffness)
+                                 : std::string();
+  return fmt::format("a damping of {:g} N s/m is more than this device can render {}, {}; give at most {:g} N s/m{}{}",
+                     damping_Ns_per_m, conditionWords(worst.loop),
+                     dampingReason(worst, damping_Ns_per_m, contact.limits.position_resolution_m), safe_damping, softer,
+                     other(contact));
 }
 
 }  // namespace
 
 bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
-  if (device.hands().empty() || !algorithmEntry(settings.algorithm).traits.shows_surface) return true;
-  return shakes(settings, loop, device);
+  const Contact contact(settings, loop, device);
+  return !contact.isKnown() || shakes(contact);
+}
+
+bool dampsTooLate(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+  const Contact contact(settings, loop, device);
+  return contact.isKnown() && settings.parameters.damping_Ns_per_m > mostDamping(contact);
 }
 
 double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
-  if (device.hands().empty() || !algorithmEntry(settings.algorithm).traits.shows_surface)
-    return std::numeric_limits<double>::infinity();
-  return worstOf(settings, loop, device).settling_N_per_m;
+  const Contact contact(settings, loop, device);
+  return contact.isKnown() ? worstOf(contact).settling_N_per_m : std::numeric_limits<double>::infinity();
 }
 
 double usualStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
@@ -234,17 +276,19 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
 
 double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   const double asked = settings.parameters.damping_Ns_per_m;
-  if (!device.limits().follows_force || !algorithmEntry(settings.algorithm).traits.shows_surface) return asked;
-  const double most = device.hands().empty() ? asked : mostDamping(loop, device);
+  const Contact contact(settings, loop, device);
+  if (!contact.limits.follows_force || !contact.isKnown()) return asked;
+  const double most = mostDamping(contact);
   return most < asked ? twoDigits(most, std::floor) : asked;
 }
 
 std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
-  if (device.hands().empty() || loop.passivity.control) return {};
-  if (!algorithmEntry(settings.algorithm).traits.shows_surface || !shakes(settings, loop, device)) return {};
-  const Worst worst = worstOf(settings, loop, device);
-  if (worst.settling_N_per_m > 0) return {stiffnessWarning(settings, worst, device)};
-  return {dampingWarning(settings, loop, worst, device)};
+  const Contact contact(settings, loop, device);
+  if (!contact.isKnown() || !shakes(contact)) return {};
+  const Worst worst = worstOf(contact);
+  std::string warning = worst.settling_N_per_m > 0 ? stiffnessWarning(contact, worst) : dampingWarning(contact, worst);
+  if (loop.passivity.control) warning += ". The passivity controller lessens that, but not in every contact";
+  return {warning};
 }
 
 }  // namespace palpate

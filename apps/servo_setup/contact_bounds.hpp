@@ -24,6 +24,9 @@ namespace palpate {
 // device, or the algorithm has no stiffness. Asked at every change of the settings.
 [[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
+// Whether no wall settles soon with so much damping: the remedy is less of it.
+[[nodiscard]] bool dampsTooLate(const RigSettings& settings, const LoopParameters& loop, const Device& device);
+
 // The largest stiffness that settles soon in every hand, with the settings' damping and effects [N/m]: what a warning
 // names. Infinite: nothing is known of the device, or the algorithm has no stiffness.
 [[nodiscard]] double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device);
@@ -38,7 +41,7 @@ namespace palpate {
 [[nodiscard]] double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // What lies beyond the bounds, one line each, with the values that would be safe. Empty: nothing does, or nothing is
-// known. With the passivity controller the bounds do not apply.
+// known. The passivity controller bears more, but nobody knows how much before a run.
 [[nodiscard]] std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop,
                                                      const Device& device);
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/held/held_device.hpp"
 #include "apps/report/words.hpp"
 #include "base/units.hpp"
 #include "engine/session/tool_brush.hpp"
@@ -23,6 +24,8 @@ bool isSilent(const TickRecord& record, double isovalue) {
 std::string moreForceWords(const Scene& scene, double depth_m) {
   constexpr double kClear_N = 0.5;
   constexpr double kStiffest_N_per_m = 1e5;  // that --stiffness takes
+  if (!scene.edit.empty()) return "the brush changes what is under the tool: a lower rate of it leaves more to press";
+  if (isHeld(scene)) return "raise --stiffness as far as the device can render it";
   if (scene.spring_hand) return "raise --depth or --hand-stiffness, or give --hand rigid";
   const double needed_N_per_m = kClear_N / depth_m;
   if (needed_N_per_m <= kStiffest_N_per_m) {
@@ -73,7 +76,8 @@ std::optional<std::string> noteOnFaintForce(const Scene& scene, const RunFigures
   const double spring_N = stiffnessOf(scene) * depth_m;
   if (figures.contact_ticks == 0 || figures.force_N.max >= kFaintForce_N) return {};
   if (!(depth_m > 0) || spring_N >= kFaintForce_N) return {};  // else something other than the depth limits the force
-  const char* why = scene.press_depth_m || !scene.path_file.empty() ? "" : ", as fits so small or thin an object";
+  const bool asked = scene.press_depth_m || !scene.path_file.empty() || isHeld(scene) || !scene.edit.empty();
+  const char* why = asked ? "" : ", as fits so small or thin an object";
   return fmt::format(
       "no force above {} N was reached, which is too little to feel: "
       "the tool pressed at most {} mm deep{}, and --stiffness {} makes {} N of that; {}",
@@ -97,8 +101,9 @@ std::optional<std::string> noteOnHand(const Scene& scene, const RunFigures& figu
   if (!scene.spring_hand || !scene.path_file.empty() || !scene.press_depth_m || figures.depth_m.count == 0) return {};
   if (figures.depth_m.max >= (1 - kDepthShare) * *scene.press_depth_m) return {};
   return fmt::format(
-      "the hand is a spring and gave way: "
-      "it pressed at most {} mm deep instead of --depth {}; raise --hand-stiffness or --depth, or give --hand rigid",
+      "the hand is a spring of {} N/m and gave way to a surface of {} N/m: it pressed at most {} mm deep instead of "
+      "--depth {} (a larger --hand-stiffness presses deeper, and --hand rigid all the way)",
+      shortNumber(scene.hand_stiffness_N_per_m), shortNumber(stiffnessOf(scene)),
       shortNumber(figures.depth_m.max * kMillimetresPerMetre),
       shortNumber(*scene.press_depth_m * kMillimetresPerMetre));
 }

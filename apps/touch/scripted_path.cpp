@@ -42,15 +42,27 @@ double distanceToVolume(const SurfaceField& surface, const Vec3& p_W) {
   return (p_L - nearest_L).cwiseProduct(surface.lattice().spacing_m).norm();
 }
 
-// A path outside the volume feels nothing. The usual cause is a file in millimetres.
+// A path outside the volume feels nothing, and one that goes far away is followed there. The usual cause is a file in
+// millimetres.
 std::vector<std::string> notesOnReach(const SurfaceField& surface, const std::vector<TimedPoint>& points) {
-  double nearest_m = std::numeric_limits<double>::infinity();
-  for (const TimedPoint& point : points) nearest_m = std::min(nearest_m, distanceToVolume(surface, point.p_W));
-  if (nearest_m == 0) return {};
+  constexpr double kFar = 10;  // diagonals of the volume
+  double nearest_m = std::numeric_limits<double>::infinity(), farthest_m = 0;
+  for (const TimedPoint& point : points) {
+    const double away_m = distanceToVolume(surface, point.p_W);
+    nearest_m = std::min(nearest_m, away_m);
+    farthest_m = std::max(farthest_m, away_m);
+  }
+  if (nearest_m > 0)
+    return {
+        fmt::format("the path never enters the volume: its nearest point is {:.3g} mm away; are its coordinates in "
+                    "metres, and in the volume's world?",
+                    nearest_m * kMillimetresPerMetre)};
+  const Vec3 size_m = (surface.size().cast<double>().array() - 1).matrix().cwiseProduct(surface.lattice().spacing_m);
+  if (farthest_m <= kFar * size_m.norm()) return {};
   return {
-      fmt::format("the path never enters the volume: "
-                  "its nearest point is {:.3g} mm away; are its coordinates in metres, and in the volume's world?",
-                  nearest_m * kMillimetresPerMetre)};
+      fmt::format("the path goes {:.3g} m away from the volume, which is {:.3g} m across; are its coordinates in "
+                  "metres?",
+                  farthest_m, size_m.norm())};
 }
 
 }  // namespace

@@ -110,8 +110,10 @@ ServoRun runServo(const Scene& scene, RigVolume volume, ServoSide& servo, Engine
   const RigSettings settings = rigSettings(scene, engine.isovalue());
   TouchRig rig(engine, servo, parameters, std::move(volume), settings, edits);
   before_first_tick(boundWarnings(settings, parameters, servo.device()));
-  if (scene.simulated_clock) return runSimulated(rig, static_cast<double>(parameters.ticks), progress);
-  return runReal(rig, scene.duration_s, progress);
+  ServoRun run = scene.simulated_clock ? runSimulated(rig, static_cast<double>(parameters.ticks), progress)
+                                       : runReal(rig, scene.duration_s, progress);
+  run.damps_late = dampsTooLate(settings, parameters, servo.device());
+  return run;
 }
 
 }  // namespace palpate

@@ -322,6 +322,7 @@ class TouchJob {
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
   DeviceLimits limits_;
+  bool damps_late_ = false;
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
   // With --save they own the volume while the servo runs: nobody else reads it before finish().
@@ -434,6 +435,7 @@ void TouchJob::feel() {
   });
   run_.loop_us_a_tick = felt.loop_us_a_tick;
   run_.work.threads = std::move(felt.threads);
+  damps_late_ = felt.damps_late;
   LoopResult& result = felt.loop;
   run_.records = std::move(result.records);
   limits_ = result.device;
@@ -450,6 +452,7 @@ void TouchJob::assess() {
   run_.stability = assessContact(run_.records, {.resolution_m = limits_.position_resolution_m,
                                                 .delay_ticks = limits_.force_delay_ticks,
                                                 .lacking_Ns_per_m = lackingDamping(run_.scene, limits_),
+                                                .damps_late = damps_late_,
                                                 .path = hasPath(scene_) ? &path_->path : nullptr});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);

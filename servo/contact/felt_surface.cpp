@@ -37,7 +37,7 @@ Vec3 notFarFrom(const Vec3& plane_W, const Vec3& normal_W) noexcept {
 }  // namespace
 
 FeltSurface::FeltSurface(double isovalue, double rate_hz) noexcept
-    : isovalue_(isovalue), rest_voxels_(kRest / rate_hz), normal_ahead_W_(rate_hz), S_ahead_W_(rate_hz) {}
+    : isovalue_(isovalue), rest_voxels_(kRest / rate_hz), normal_ahead_W_(rate_hz), bend_ahead_W_(rate_hz) {}
 
 void FeltSurface::release() noexcept {
   known_ = false;
@@ -48,7 +48,7 @@ void FeltSurface::begin(const Contact& contact) noexcept {
   known_ = true;
   form_ = {contact.plane.normal_W, Mat3::Zero()};
   normal_ahead_W_.end();
-  S_ahead_W_.end();
+  bend_ahead_W_.end();
   depth_m_ = contact.plane.depth(contact.hip_W);
   lever_ = slid_voxels_ = 0;
   felt_.roughness = 0;
@@ -120,13 +120,13 @@ void FeltSurface::takeIn(const Measure& measured, const Way& way, const Vec3& pl
   depth_m_ += share * (measured.depth_m + mean_m - depth_m_);
   if (!felt_.edited) return;
   normal_ahead_W_.take(turn_W);
-  S_ahead_W_.take(bend_W);
+  bend_ahead_W_.take(bend_W);
 }
 
 void FeltSurface::tell(const Contact& contact, bool begins) noexcept {
   Form felt = form_;
   if (normal_ahead_W_.active()) felt.normal_W = (form_.normal_W - normal_ahead_W_.elapse()).normalized();
-  if (S_ahead_W_.active()) felt.S_W -= S_ahead_W_.elapse();
+  if (bend_ahead_W_.active()) felt.S_W -= bend_ahead_W_.elapse();
   felt_.normal_W = felt.normal_W;
   felt_.depth_m = std::max(0.0, depth_m_);
   felt_.p_W = contact.hip_W + felt_.depth_m * felt.normal_W;

@@ -109,7 +109,7 @@ class FeltSurface {
   Vec3 last_hip_W_ = Vec3::Zero();
   Form form_;                      // as it is, smoothed
   EditLead<Vec3> normal_ahead_W_;  // by how much it is ahead of what is felt, after edits
-  EditLead<Mat3> S_ahead_W_;
+  EditLead<Mat3> bend_ahead_W_;
   double depth_m_ = 0;      // smoothed
   double trust_ = 1;        // in the curvature, which is flat without [-]
   double lever_ = 0;        // [voxel]

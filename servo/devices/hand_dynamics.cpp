@@ -10,6 +10,11 @@
 
 namespace palpate {
 
+double brakingDamping(const HandParameters& hand, double rate_hz, int delay_ticks, double velocity_cutoff_hz) noexcept {
+  const double filter_s = velocity_cutoff_hz > 0 ? 1 / (2 * M_PI * velocity_cutoff_hz) : 0;
+  return (hand.hand_mass_kg + hand.device_mass_kg) / ((1 + delay_ticks) / rate_hz + filter_s);
+}
+
 HandDynamics::HandDynamics(const HandParameters& p, double tick_s) : tick_s_(tick_s), parameters_(p) {
   checkSetting(p.hand_mass_kg >= 0, "hand mass", p.hand_mass_kg, "give 0 kg or more");
   checkSetting(p.device_mass_kg >= 0, "device mass", p.device_mass_kg, "give 0 kg or more");

@@ -12,8 +12,8 @@
 // where everything else is weaker (Coulomb): -f_c sign(x'), or for x' = 0 whatever of at most f_c keeps it there. A
 // tick is then cut where the motion stops or breaks loose, and is exact between these times (hand_friction.hpp). For
 // these inputs the step is the exact solution, x(t + T) = Phi(T) x(t) + ... Phi is the matrix exponential of the system
-// together with its inputs (Van Loan 1978). So one tick gives the same as two half ticks. Units: SI. Thread: const
-// after construction. Cost of step(): 30 multiplications. Heap: none.
+// together with its inputs (Van Loan 1978). So one tick gives the same as two half ticks. Units: SI.
+// Thread: const after construction. Cost of step(): 30 multiplications. Heap: none.
 #pragma once
 
 #include "base/vec.hpp"
@@ -28,6 +28,12 @@ struct HandParameters {
   double device_damping_Ns_per_m = 0.1;
   double device_friction_N = 0;  // dry, along each axis
 };
+
+// The damping up to which a servo brakes device and hand better with more of it, m / (T (1 + d) + 1 / (2 pi f_c)) [N
+// s/m]. Its force is late by a tick, the device's d and the velocity's low-pass (f_c 0: none), and such a damping stops
+// the mass within that time. A larger one comes too late: it swings by itself.
+[[nodiscard]] double brakingDamping(const HandParameters& hand, double rate_hz, int delay_ticks,
+                                    double velocity_cutoff_hz) noexcept;
 
 class HandDynamics {
  public:

@@ -36,8 +36,7 @@ std::unique_ptr<ReportPort> openHid(const std::string& path, HidBackEnd back_end
   std::string why_not;
   std::unique_ptr<ReportPort> port = hid.open(path, why_not);
   if (port == nullptr) {
-    throw Error(Error::Code::kDevice, path, "it cannot be opened: " + why_not,
-                "see that no other program uses it, and run 'palpate doctor'");
+    throw Error(Error::Code::kDevice, path, "it cannot be opened: " + why_not, "see that no other program uses it");
   }
   return port;
 }

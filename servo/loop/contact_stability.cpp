@@ -62,6 +62,7 @@ void noteUnstable(const SwingWatch::Unstable& swings, ContactStability& out) {
 ContactStability assessContact(std::span<const TickRecord> records, const ContactConditions& conditions) {
   ContactStability out;
   out.delay_ticks = conditions.delay_ticks;
+  out.damps_late = conditions.damps_late;
   addEnergy(records, conditions, out);
   SwingWatch watch(conditions.resolution_m, conditions.path);
   SwingWatch guards(conditions.resolution_m);  // as the servo's guard saw it

@@ -38,6 +38,7 @@ struct ContactConditions {
   double resolution_m = 0;      // of the device's encoders [m]
   int delay_ticks = 0;          // of the device's force
   double lacking_Ns_per_m = 0;  // K T / 2 + K T delay, less the wall's damping; 0 or less: enough damping [N s/m]
+  bool damps_late = false;      // so much damping that less of it is the remedy
   const Path* path = nullptr;   // where the hand wanted the tool; null: unknown
 };
 
@@ -51,6 +52,7 @@ struct ContactStability {
   double share = 0;      // given / stored; 0 where nothing was stored [-]
   double allowed_J = 0;  // error and quiet share, summed over all contacts
   int delay_ticks = 0;   // of the device's force, which lends to both
+  bool damps_late = false;
   // For the swings:
   int bounces = 0;              // how often contact was left outwards while the hand wanted the tool inside
   double swing_m = 0;           // mean height of the swings that were judged unstable; the largest such mean [m]

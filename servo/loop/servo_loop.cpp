@@ -65,13 +65,13 @@ VelocityParameters velocityFor(const Device& device, VelocityParameters velocity
   return velocity;
 }
 
-// A controller without a given limit takes what the device bears in the lightest hand.
+// A controller without a given limit takes a quarter of what still brakes the device in the lightest hand.
 PassivityParameters passivityFor(const Device& device, const LoopParameters& p) {
   PassivityParameters passivity = p.passivity;
   if (passivity.damping_limit_Ns_per_m) return passivity;
   const double cutoff_hz = p.velocity.name == VelocityParameters{}.name ? p.velocity.cutoff_hz : 0;
   for (const HandParameters& hand : device.hands()) {
-    const double damping = steadyDamping(hand.hand_mass_kg + hand.device_mass_kg, p.rate_hz, cutoff_hz);
+    const double damping = 0.25 * brakingDamping(hand, p.rate_hz, device.limits().force_delay_ticks, cutoff_hz);
     passivity.damping_limit_Ns_per_m = std::min(passivity.damping_limit_Ns_per_m.value_or(damping), damping);
   }
   return passivity;

@@ -6,11 +6,6 @@
 #include "base/error.hpp"
 
 namespace palpate {
-double steadyDamping(double mass_kg, double rate_hz, double velocity_cutoff_hz) noexcept {
-  const double filter_s = velocity_cutoff_hz > 0 ? 1 / (2 * M_PI * velocity_cutoff_hz) : 0;
-  return 0.25 * mass_kg / (1 / rate_hz + filter_s);
-}
-
 Passivity::Passivity(const PassivityParameters& p, double force_limit_N, double rate_hz, int delay_ticks,
                      double resolution_m)
     : control_(p.control),

@@ -19,7 +19,7 @@
 // algorithm uses for its damping too. The difference of the last two positions would be closer to E, but one encoder
 // step would make a velocity of Delta / T. Known troubles of the method, and what is done here:
 // - alpha has no bound as v goes to 0. So the damper is at most `damping_limit`, and its force goes to 0 with v. A
-//   damper whose force comes later than it brakes the mass shakes by itself (steadyDamping()).
+//   damper whose force comes later than it brakes the mass shakes by itself (brakingDamping() in hand_dynamics.hpp).
 // - Force bursts. The added force is at most `force_share` of the force limit. The rest of E is taken back later.
 // - Energy credit. A damped contact, or friction, would build up credit that pays for an active contact later. With
 //   `forget_credit` (the default) credit is dropped at once: nothing is stored in it, so it was dissipated. A debt
@@ -52,7 +52,7 @@ struct PassivityParameters {
   bool control = false;  // false: observe only
   bool forget_credit = true;
   double force_share = 0.25;  // the most that the controller may add, as a share of the force limit [-]
-  // Of the controller's damper; empty: in a loop what the device bears (steadyDamping()), else kUsualDamping [N s/m].
+  // Of the controller's damper; empty: in a loop what the device bears (servo_loop.cpp), else kUsualDamping [N s/m].
   std::optional<double> damping_limit_Ns_per_m = std::nullopt;
 
   static constexpr double kUsualDamping_Ns_per_m = 10;
@@ -63,11 +63,6 @@ struct ContactSpring {
   double stored_J = std::numeric_limits<double>::quiet_NaN();
   double wanted_N = 0;
 };
-
-// A quarter of the damping that stops the mass within the delay of its own force, where it would begin to shake: the
-// delay is a tick and that of the velocity's low-pass, m / (T + 1 / (2 pi f_c)) / 4 [N s/m]. `velocity_cutoff_hz` 0: no
-// low-pass.
-[[nodiscard]] double steadyDamping(double mass_kg, double rate_hz, double velocity_cutoff_hz) noexcept;
 
 class Passivity {
  public:

@@ -196,8 +196,15 @@ double stiffnessBound(const SampledLoop& loop, double damping_Ns_per_m, double p
   });
 }
 
+double usefulDamping(const SampledLoop& loop) {
+  return brakingDamping(loop.hand, loop.rate_hz, loop.delay_ticks, loop.velocity_cutoff_hz);
+}
+
 bool settlesSoon(const SampledLoop& loop, const Wall& wall) {
-  if (wall.damping_Ns_per_m > 0 && !isStable(loop, {kSoftest_N_per_m, 2 * wall.damping_Ns_per_m})) return false;
+  if (wall.damping_Ns_per_m > usefulDamping(loop)) return false;
+  const double stiffer = kGainMargin * wall.stiffness_N_per_m;
+  for (const double damping : {wall.damping_Ns_per_m, kGainMargin * wall.damping_Ns_per_m})
+    if (!isStable(loop, {stiffer, damping})) return false;
   if (loop.delay_ticks > kMostExactDelay)
     return isStable(loop, {3 * wall.stiffness_N_per_m, 3 * wall.damping_Ns_per_m}) && isStable(loop, wall);
   const LateFeedback form = characteristic(loop, wall);
@@ -235,27 +242,19 @@ int delayBound(const SampledLoop& loop, const Wall& wall, int most) {
   return most;
 }
 
-namespace {
-
-// A longer tick is never better: searched from the shortest one on.
-double leastRate(const SampledLoop& loop, const Wall& wall, double precision,
-                 bool (*holds)(const SampledLoop& loop, const Wall& wall)) {
-  SampledLoop other = loop;
-  const double longest_s = lastOfRun(1 / kHighestRate_hz, 1.0, precision, [&](double tick_s) {
-    other.rate_hz = 1 / tick_s;
-    return holds(other, wall);
-  });
+double leastRate(const std::function<bool(double)>& holds, double precision) {
+  const double longest_s =
+      lastOfRun(1 / kHighestRate_hz, 1.0, precision, [&](double tick_s) { return holds(1 / tick_s); });
   return longest_s > 0 ? 1 / longest_s : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace
-
 double rateBound(const SampledLoop& loop, const Wall& wall, double precision) {
-  return leastRate(loop, wall, precision, isStable);
-}
-
-double settlingRate(const SampledLoop& loop, const Wall& wall, double precision) {
-  return leastRate(loop, wall, precision, settlesSoon);
+  SampledLoop other = loop;
+  const auto stable = [&](double rate_hz) {
+    other.rate_hz = rate_hz;
+    return isStable(other, wall);
+  };
+  return leastRate(stable, precision);
 }
 
 }  // namespace palpate

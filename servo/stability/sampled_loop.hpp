@@ -19,6 +19,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 
 #include <Eigen/Core>
 
@@ -63,14 +64,19 @@ inline constexpr double kBoundPrecision = 1e-3;
 //   that moves by a are then at most Q a, with Q = pi / -ln(1 - kLossAPeriod) = 29.8. SwingWatch takes swings of more
 //   than kAnswered = 40 times what asked for them, and swings that lose less than 5.6 % a period, for unstable;
 // - nine tenths of itself within kLongestRing_s, or in a round of a delay that takes longer, however slow it is.
-// A damping may be half of what is stable with the softest wall at most: a tool that lands meets all of it at once, and
-// leaves again.
+// Besides,
+// - a wall that is kGainMargin times as stiff, with the same damping or with as much more, must be stable: a tool that
+//   lands, leaves and lands again, a plane that is kept and voxels make it so for a while;
+// - the damping may be usefulDamping() at most: a tool that lands meets all of it at once, and what is stable but too
+//   late throws the tool off again.
 // No more is asked than half of the loss of hand and device without a wall, in a period and in a second: a wall cannot
 // damp what they do not. With a delay of more than kMostExactDelay ticks a wall settles if one that is three times as
 // stiff and damped is stable: its modes are as many as the delay has ticks.
 inline constexpr double kLossAPeriod = 0.1;
+inline constexpr double kGainMargin = 1.3;
 inline constexpr double kLongestRing_s = 2;
 inline constexpr int kMostExactDelay = 16;
+[[nodiscard]] double usefulDamping(const SampledLoop& loop);  // brakingDamping() of this loop [N s/m]
 [[nodiscard]] bool settlesSoon(const SampledLoop& loop, const Wall& wall);
 
 // The stiffness up to which walls of damping B settle soon [N/m]; 0 if the softest one does not. At most
@@ -96,7 +102,7 @@ inline constexpr double kMostDamping_Ns_per_m = 1e5;
 // The rate from which on the wall is stable, up to kHighestRate_hz [Hz]; infinity if it is unstable at that rate.
 inline constexpr double kHighestRate_hz = 20000;
 [[nodiscard]] double rateBound(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
-// The same for a wall that settles soon.
-[[nodiscard]] double settlingRate(const SampledLoop& loop, const Wall& wall, double precision = kBoundPrecision);
+// The same for anything that a longer tick never makes better.
+[[nodiscard]] double leastRate(const std::function<bool(double rate_hz)>& holds, double precision = kBoundPrecision);
 
 }  // namespace palpate

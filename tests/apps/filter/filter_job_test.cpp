@@ -12,6 +12,7 @@
 #include "apps/console/interrupt.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/filter/filter_step.hpp"
 #include "engine/reference/filter.hpp"
@@ -57,6 +58,24 @@ TEST_F(FilterFile, HoldsWhatTheTwinMakes) {
     EXPECT_EQ(result.steps, steps.size());
     EXPECT_EQ(result.surface, 0);
   }
+}
+
+// Its voxels are 0 and 1, and what a filter makes of them is between: the surface stays half-way, as `palpate touch`
+// takes it of the mask with the same filter. Of a scan nobody knows it.
+TEST_F(FilterFile, AMaskKeepsItsSurface) {
+  std::vector<float> values = loadVolume("phantom:sphere?size=24").toDense();
+  for (float& value : values) value = value > 4 ? 1 : 0;  // small, so that the object is few of the voxels
+  (void)saveVolume(Volume::fromDense(Vec3i::Constant(24), {}, values, {}), file("mask.nrrd"));
+  Progress progress;
+  const FilterResult result = filterFile({file("mask.nrrd"), file("out.vdb"), "gaussian:1.5", "", {}}, progress);
+  EXPECT_EQ(result.surface, 0.5);
+  EXPECT_EQ(defaultIsovalue(loadVolume(file("out.vdb"))), 0.5);
+  values[5] = 0.3F;
+  (void)saveVolume(Volume::fromDense(Vec3i::Constant(24), {}, values, {}), file("scan.nrrd"));
+  EXPECT_FALSE(filterFile({file("scan.nrrd"), file("out.vdb"), "gaussian:1.5", "", {}}, progress).surface);
+  std::fill(values.begin(), values.end(), 2.0F);
+  (void)saveVolume(Volume::fromDense(Vec3i::Constant(24), {}, values, {}), file("even.nrrd"));
+  EXPECT_FALSE(filterFile({file("even.nrrd"), file("out.vdb"), "gaussian:1.5", "", {}}, progress).surface);
 }
 
 // Each figure of the result against what is in the file, and the words that tell them.

@@ -45,6 +45,16 @@ class CommandLine : public ProgramTest {
   }
 };
 
+// Options that are no part of a scene are read by the library of flags.
+TEST_F(CommandLine, WordsAreNoNumbers) {
+  expectRefusal(run({"filter", "phantom:sphere?size=16", "-o", "x.nrrd", "--filter", "distance:3", "--iso", "foo"}),
+                "--iso", "'foo' is not a number; 'palpate filter --help'", 2);
+}
+
+TEST_F(CommandLine, CalibratingWithoutADeviceTellsWhereTheyAreListed) {
+  expectRefusal(run({"calibrate"}), "--device", "no device is named; 'palpate devices' lists what is here", 2);
+}
+
 // The same page, whichever way it is asked for.
 TEST_F(CommandLine, HelpIsAVerbToo) {
   std::vector<Words> all = kVerbsBelow;

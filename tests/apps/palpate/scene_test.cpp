@@ -63,6 +63,15 @@ TEST_F(SceneOnCommandLine, BadFilesAreRefused) {
   EXPECT_FALSE(exists("out"));
 }
 
+// As of a scan that is too large to come with the scene.
+TEST_F(SceneOnCommandLine, AMissingVolumeIsToldWithTheSceneThatNamesIt) {
+  write("s.toml", "# From the archive of scans.\nvolume = \"head.nrrd\"\n");
+  expectRefusal(run({"touch", "s.toml"}), "head.nrrd",
+                "there is no such file or folder, and s.toml names it; put it there; the scene's first lines may say",
+                3);
+  expectRefusal(run({"touch", "s.toml", "--volume", "other.nrrd"}), "other.nrrd", "no such file or folder; check", 3);
+}
+
 TEST_F(SceneOnCommandLine, SkullSceneIsUnderstood) {
   // Its volume is not part of the sources; before the demo has linked it there, that is all that is wrong.
   const Outcome outcome = run({"plan", PALPATE_SCENES "/skull.toml", "--rounds", "0"});

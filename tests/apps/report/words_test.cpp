@@ -12,6 +12,7 @@
 namespace palpate {
 namespace words_test {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -259,7 +260,7 @@ TEST(Words, ActiveContactsToTheLetter) {
             begin +
                 "the damping is enough for this stiffness and rate, so it is the field: "
                 "where samples are few or noisy its normals are not those of its surface; "
-                "--gradient-operator sobel or --algorithm god-object, or --passivity control, lessens it");
+                "--filter gaussian:1 or --algorithm god-object, or --passivity control, lessens it");
   s.verdict = ContactVerdict::kUnstable;
   s.bounces = 1;
   s.swing_m = 0.8e-3;
@@ -269,8 +270,11 @@ TEST(Words, ActiveContactsToTheLetter) {
   EXPECT_EQ(stabilityWords(s, {}),
             "unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz without settling, "
             "1 bounce in all, and the surface fed it; lower --stiffness, "
-            "raise --rate, or raise --damping (up to about the moved mass over the tick and the velocity's delay; "
-            "more shakes by itself); --passivity control lessens it");
+            "raise --rate, or raise --damping; --passivity control lessens it");
+  s.damps_late = true;
+  EXPECT_THAT(stabilityWords(s, {}),
+              EndsWith("fed it; lower --stiffness, raise --rate, or lower --damping, which comes "
+                       "too late to brake; --passivity control lessens it"));
   EXPECT_EQ(stabilityWords({}, {}), "no contact");
 }
 
@@ -285,7 +289,7 @@ TEST(Words, SlightlyActiveSaysByHowMuchAndThatItSettled) {
   EXPECT_THAT(text,
               ::testing::StartsWith("slightly active: a contact gave the hand 0.2 mJ more than it had taken, "
                                     "where at most 1.5 mJ was stored at once, and the tool did not keep swinging; "));
-  EXPECT_THAT(text, ::testing::EndsWith("; the controller acted in 34 ticks"));
+  EXPECT_THAT(text, EndsWith("; the controller acted in 34 ticks"));
   TouchRun run = sampleRun();
   run.stability = active;
   EXPECT_THAT(verdictOf(run), HasSubstr("; the contact was slightly active; "));

@@ -43,6 +43,20 @@ double numberAfter(const std::string& text, const std::string& words) {
   return std::regex_search(text, found, pattern) ? std::stod(found[1]) : std::nan("");
 }
 
+// A device in an ordinary hand, with what its maker states and what it is made of.
+class Made final : public Device {
+ public:
+  [[nodiscard]] std::string_view name() const noexcept override { return "made"; }
+  [[nodiscard]] DeviceLimits limits() const noexcept override { return of; }
+  [[nodiscard]] std::vector<HandParameters> hands() const override {
+    return {{.device_friction_N = friction_N}, {.device_friction_N = 10 * friction_N}};
+  }
+  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
+  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
+  DeviceLimits of;
+  double friction_N = 0;
+};
+
 TEST(ContactBounds, WarnWhereTheLoopDoesNotSettleAndNameValuesWithWhichItDoes) {
   Seeded random(31);
   int stiff = 0, damped = 0, fine = 0, rates = 0, delays = 0;
@@ -76,22 +90,20 @@ TEST(ContactBounds, WarnWhereTheLoopDoesNotSettleAndNameValuesWithWhichItDoes) {
       ++fine;
       continue;
     }
-    // Of the loop that is worse: along the normal or aside.
-    const bool by_aside = warnings[0].find("along the surface") != std::string::npos;
-    const Wall worse = by_aside ? aside : wall;
+    // What is named ends the warning: a rate, a delay, and below a stiffness or a damping.
+    const Wall worse = warnings[0].find("along the surface") != std::string::npos ? aside : wall;
     const double least_rate_hz = numberAfter(warnings[0], "a rate of ");
     if (!std::isnan(least_rate_hz)) {
       ++rates;
-      SampledLoop fast = loop;
+      LoopParameters fast = parameters;
       fast.rate_hz = least_rate_hz;
-      EXPECT_TRUE(settlesSoon(fast, worse)) << warnings[0];
+      EXPECT_FALSE(mayShake(settings, fast, device)) << warnings[0];
     }
     const double most_delay = numberAfter(warnings[0], "a delay of at most ");
     if (!std::isnan(most_delay)) {
       ++delays;
-      SampledLoop early = loop;
-      early.delay_ticks = static_cast<int>(most_delay);
-      EXPECT_TRUE(settlesSoon(early, worse)) << warnings[0];
+      EXPECT_FALSE(mayShake(settings, parameters, deviceIn(loop.hand, static_cast<int>(most_delay), loop.rate_hz)))
+          << warnings[0];
     }
     if (const double safe = numberAfter(warnings[0], "settles up to "); !std::isnan(safe)) {
       ++stiff;
@@ -105,7 +117,8 @@ TEST(ContactBounds, WarnWhereTheLoopDoesNotSettleAndNameValuesWithWhichItDoes) {
       ++damped;
       const double safe_damping = numberAfter(warnings[0], "give at most ");
       EXPECT_GT(settlingStiffness(loop, safe_damping), 0) << warnings[0];
-      EXPECT_LE(safe_damping, 0.5 * dampingBound(loop, kSoftest_N_per_m)) << warnings[0];
+      EXPECT_LE(safe_damping, usefulDamping(loop)) << warnings[0];
+      EXPECT_TRUE(dampsTooLate(settings, parameters, device)) << warnings[0];
       // Both values that are named end every warning.
       RigSettings told = settings;
       told.parameters.damping_Ns_per_m = safe_damping;
@@ -129,18 +142,51 @@ TEST(ContactBounds, TellWhatIsBeyondAndWhatWouldBeSafe) {
                         "late, so the contact will shake: with a damping of 0.5 N s/m it settles up to "));
 }
 
-TEST(ContactBounds, SayNothingWhereNothingIsKnownOrTheControllerActs) {
+TEST(ContactBounds, SayNothingWhereNothingIsKnown) {
   RigSettings settings;
   settings.parameters.stiffness_N_per_m = 1e5;
   const SimulatedDevice rigid(SimulatedDeviceParameters{}, kStill, 1000);
   EXPECT_TRUE(mayShake(settings, {}, rigid));
   EXPECT_TRUE(boundWarnings(settings, {}, rigid).empty());
-  LoopParameters controlled;
-  controlled.passivity.control = true;
-  EXPECT_TRUE(boundWarnings(settings, controlled, deviceIn({}, 0, 1000)).empty());
   settings.algorithm = "haptization";
   EXPECT_TRUE(mayShake(settings, {}, deviceIn({}, 0, 1000)));
   EXPECT_TRUE(boundWarnings(settings, {}, deviceIn({}, 0, 1000)).empty());
+}
+
+// It bears more in some contacts, and no more in others.
+TEST(ContactBounds, ThePassivityControllerDoesNotSilenceThem) {
+  RigSettings settings;
+  settings.parameters.stiffness_N_per_m = 1e5;
+  LoopParameters loop;
+  const SimulatedDevice device = deviceIn({}, 0, 1000);
+  const std::vector<std::string> without = boundWarnings(settings, loop, device);
+  loop.passivity.control = true;
+  const std::vector<std::string> with = boundWarnings(settings, loop, device);
+  ASSERT_EQ(with.size(), 1U);
+  EXPECT_EQ(with[0], without.at(0) + ". The passivity controller lessens that, but not in every contact");
+  settings.parameters.stiffness_N_per_m = 500;
+  EXPECT_THAT(boundWarnings(settings, loop, device), testing::IsEmpty());
+}
+
+// What a damping does that no wall bears: by itself, too late, or by the encoders' steps. 150 g at 1 kHz brake with up
+// to 0.15 / (1 / 1000 + 1 / (2 pi 200)) = 83.5 N s/m.
+TEST(ContactBounds, TellWhyADampingIsTooMuch) {
+  RigSettings settings;
+  const auto warning = [&](double damping_Ns_per_m, double resolution_m) {
+    settings.parameters.damping_Ns_per_m = damping_Ns_per_m;
+    Made device;
+    device.of.position_resolution_m = resolution_m;
+    const std::vector<std::string> all = boundWarnings(settings, {}, device);
+    return all.empty() ? std::string() : all[0];
+  };
+  EXPECT_EQ(warning(83, 0), "");
+  EXPECT_THAT(warning(84, 0), HasSubstr("a damping of 84 N s/m is more than this device can render at 1000 Hz, as it "
+                                        "comes too late to brake, so the contact may swing at any stiffness; give at "
+                                        "most 83 N s/m"));
+  EXPECT_THAT(warning(2000, 0),
+              HasSubstr("1000 Hz, so the contact will shake at any stiffness; give at most 83 N s/m"));
+  EXPECT_THAT(warning(60, 50e-6), HasSubstr("so the contact may swing on at any stiffness, as a step of its encoders, "
+                                            "50 um, makes the force jump by 2.1 N and friction quiets 0.04 N; give"));
 }
 
 // At a delay of ten seconds as at one of none. The softer wall is stable there: K b L < pi / 2 at least tenfold, with
@@ -180,26 +226,12 @@ TEST(ContactBounds, AnAdaptiveVelocityCountsAsItsShortestWindow) {
   }
 }
 
-// A device in an ordinary hand, with what its maker states and what it is made of.
-class Made final : public Device {
- public:
-  [[nodiscard]] std::string_view name() const noexcept override { return "made"; }
-  [[nodiscard]] DeviceLimits limits() const noexcept override { return of; }
-  [[nodiscard]] std::vector<HandParameters> hands() const override {
-    return {{.device_friction_N = friction_N}, {.device_friction_N = 10 * friction_N}};
-  }
-  [[nodiscard]] bool read(Vec3&) noexcept override { return false; }
-  [[nodiscard]] bool write(const Vec3&) noexcept override { return false; }
-  DeviceLimits of;
-  double friction_N = 0;
-};
-
 // With encoders of any size: warned where the wall is unstable without its damping and a step makes the force jump by
 // more than dry friction quiets, and the stiffness that is named is neither. The jump is made here by the servo's
 // filter.
 TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
   Seeded random(33);
-  int stiff = 0, fine = 0, undamped = 0;
+  int stiff = 0, damped = 0, fine = 0, undamped = 0;
   for (int i = 0; i < 1500; ++i) {
     Made device;
     device.of.position_resolution_m = random.logBetween(1e-6, 100e-6);
@@ -220,9 +252,9 @@ TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
       return stiffness * factor * device.of.position_resolution_m +
              settings.parameters.damping_Ns_per_m * speed_m_per_s;
     };
+    const bool overdamped = settings.parameters.damping_Ns_per_m * speed_m_per_s > 10 * quiet_N;
     const auto swings = [&](double stiffness) {
-      const double damping_N = settings.parameters.damping_Ns_per_m * speed_m_per_s;
-      return damping_N > 10 * quiet_N || (jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0}));
+      return overdamped || (jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0}));
     };
     const double stiffness = settings.parameters.stiffness_N_per_m;
     const bool settles = settlesSoon(sampled, {gain * stiffness * factor, gain * settings.parameters.damping_Ns_per_m});
@@ -238,15 +270,22 @@ TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
       undamped += jump_N(stiffness) > quiet_N ? 1 : 0;
       continue;
     }
-    ++stiff;
     EXPECT_THAT(warnings[0], HasSubstr("so the contact may swing on"));
+    if (overdamped) {
+      ++damped;
+      const double safe = numberAfter(warnings[0], "give at most ");
+      EXPECT_LE(safe * speed_m_per_s, 10 * quiet_N) << warnings[0];
+      EXPECT_GT(safe * 1.12 * speed_m_per_s, 10 * quiet_N) << warnings[0];  // two digits
+      continue;
+    }
+    ++stiff;
     EXPECT_NEAR(numberAfter(warnings[0], "makes the force jump by "), jump_N(stiffness), 0.06 * jump_N(stiffness));
     EXPECT_NEAR(numberAfter(warnings[0], "friction quiets "), quiet_N, 0.06 * quiet_N);
     const double safe = numberAfter(warnings[0], "settles up to ");
     EXPECT_FALSE(swings(safe * 0.999)) << warnings[0];
     EXPECT_TRUE(swings(safe * 1.12)) << warnings[0];  // two digits
   }
-  for (const int count : {stiff, fine, undamped}) EXPECT_GT(count, 15);
+  for (const int count : {stiff, damped, fine, undamped}) EXPECT_GT(count, 15);
 }
 
 // A device that knows several hands is judged by the worst.
@@ -305,8 +344,8 @@ TEST(ContactBounds, TheUsualStiffnessIsTheMakersAndWhatTheDeviceCanRender) {
   EXPECT_EQ(usualStiffness(settings, loop, made), 500);
 }
 
-// Half of the damping that is stable in the worst hand, where that is less than what is asked for: with it some wall is
-// stable, and nothing is warned about.
+// What still brakes the worst hand, where that is less than what is asked for: with it some wall is stable, and nothing
+// is warned about.
 TEST(ContactBounds, TheUsualDampingLeavesAWall) {
   RigSettings settings;
   settings.parameters.damping_Ns_per_m = 0.5;
@@ -317,11 +356,11 @@ TEST(ContactBounds, TheUsualDampingLeavesAWall) {
   settings.parameters.rate_hz = 20;
   double least = 1e9;
   for (const TypicalHand& hand : kTypicalHands)
-    least = std::min(least, dampingBound({.hand = hand.holding({}), .rate_hz = 20}, kSoftest_N_per_m));
+    least = std::min(least, usefulDamping({.hand = hand.holding({}), .rate_hz = 20}));
   settings.parameters.damping_Ns_per_m = 10 * least;
   const double damping = usualDamping(settings, loop, device);
-  EXPECT_LE(damping, 0.5 * least);
-  EXPECT_GT(damping, 0.5 * 0.9 * least);
+  EXPECT_LE(damping, least);
+  EXPECT_GT(damping, 0.9 * least);
   settings.parameters.damping_Ns_per_m = damping;
   settings.parameters.stiffness_N_per_m = usualStiffness(settings, loop, device);
   EXPECT_GT(settings.parameters.stiffness_N_per_m, 0);

@@ -72,9 +72,9 @@ Trial anyTrial(Seeded& random) {
   t.settings.parameters.isovalue = 0;
   t.settings.parameters.rate_hz = t.loop.rate_hz;
   t.settings.parameters.plane_renewal_ticks = random.pick(2) == 0 ? 5 : 1 + random.pick(20);
-  const double most = dampingBound(t.sampled(), kSoftest_N_per_m);
   // Mostly as people choose it; now and then all that is not warned of.
-  const double largest = 0.5 * (random.pick(4) == 0 ? most : std::min(most, 20.0));
+  const double most = usefulDamping(t.sampled());
+  const double largest = random.pick(4) == 0 ? most : std::min(0.5 * most, 10.0);
   t.settings.parameters.damping_Ns_per_m = random.pick(3) == 0 ? 0 : random.between(0, largest);
   if (random.pick(4) == 0) t.settings.effects.friction = {0.4, 0.3, 0};
   if (random.pick(4) == 0) {

@@ -117,6 +117,15 @@ TEST(RunNotes, TellOfForcesThatNobodyFeels) {
                         "raise --depth too for more, or write a larger voxel size"));
   scene.spring_hand = true;
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; raise --depth or --hand-stiffness"));
+  // No stiffness is named that a device may not render, and no object is called thin that a brush removes.
+  scene.path_file.clear();
+  scene.device = "polhem-v1";
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.001 mm deep, and --stiffness 500"));
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; raise --stiffness as far as the device"));
+  scene.device = "simulated";
+  scene.edit = "remove:2";
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.001 mm deep, and --stiffness 500"));
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; the brush changes what is under the tool"));
 }
 
 // A depth of 0.1 mm makes 0.05 N. Less force than that is then a limit's or a fault's doing.
@@ -154,8 +163,10 @@ TEST(RunNotes, TellOfAHandThatGaveWay) {
   scene.press_depth_m = 1e-3;
   RunFigures figures;
   figures.depth_m = {100, 0.5e-3, 0.5e-3, 0.5e-3, 0.5e-3, 0.6e-3};
-  EXPECT_THAT(noteOnHand(scene, figures, kPhases).value_or(""),
-              HasSubstr("at most 0.6 mm deep instead of --depth 1; raise"));
+  EXPECT_THAT(
+      noteOnHand(scene, figures, kPhases).value_or(""),
+      HasSubstr("a spring of 400 N/m and gave way to a surface of 500 N/m: it pressed at most 0.6 mm deep instead of "
+                "--depth 1 (a larger --hand-stiffness presses deeper"));
   figures.depth_m.max = 0.91e-3;
   EXPECT_FALSE(noteOnHand(scene, figures, kPhases));
   figures.depth_m.max = 0.89e-3;

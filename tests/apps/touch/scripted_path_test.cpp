@@ -116,6 +116,22 @@ TEST_F(ScriptedPathTest, SaysThatAFileInMillimetresNeverEntersTheVolume) {
   EXPECT_NE(read.notes[0].find("988 mm away; are its coordinates in metres"), std::string::npos) << read.notes[0];
 }
 
+// 23 mm along each axis are 39.8 mm across: a path may go ten times as far away, 0.398 m from the box's face.
+TEST_F(ScriptedPathTest, SaysThatAPathGoesFarAway) {
+  Scene scene;
+  scene.path_file = (folder_.path() / "mm.csv").string();
+  for (const auto& [z_m, told] : {std::pair{30.0, true}, {0.4115, true}, {0.4085, false}}) {
+    std::ofstream(scene.path_file) << "time_s,x_m,y_m,z_m\n0,0,0,0\n1,0,0," << z_m << "\n";
+    const std::vector<std::string> notes = path(scene).notes;
+    ASSERT_EQ(notes.size(), told ? 1U : 0U) << z_m;
+    if (z_m == 30) {
+      EXPECT_EQ(notes[0],
+                "the path goes 30 m away from the volume, which is 0.0398 m across; are its coordinates in "
+                "metres?");
+    }
+  }
+}
+
 // Voxels of 4 mm along z: the box ends 46 mm from the origin there.
 TEST_F(ScriptedPathTest, MeasuresTheWayToAVolumeOfFlatVoxels) {
   std::ofstream(folder_.path() / "mm.csv") << "time_s,x_m,y_m,z_m\n0,0,0,5\n1,0,0,1\n";

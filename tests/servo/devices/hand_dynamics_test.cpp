@@ -186,5 +186,13 @@ TEST(HandDynamics, TakesTheEndsOfTheRanges) {
   EXPECT_NO_THROW(HandDynamics({0.1, 0, 0, 0, 0}, 1e-3));
 }
 
+// 150 g that are braked within a tick, three ticks, and those and 1 / (2 pi 200 Hz).
+TEST(HandDynamics, ADampingBrakesUpToTheMassOverTheForcesDelay) {
+  const HandParameters p{.hand_mass_kg = 0.1, .device_mass_kg = 0.05};
+  EXPECT_DOUBLE_EQ(brakingDamping(p, 1000, 0, 0), 150);
+  EXPECT_DOUBLE_EQ(brakingDamping(p, 1000, 2, 0), 50);
+  EXPECT_NEAR(brakingDamping(p, 1000, 2, 200), 0.15 / (3e-3 + 0.795775e-3), 1e-4);
+}
+
 }  // namespace hand_dynamics_test
 }  // namespace palpate

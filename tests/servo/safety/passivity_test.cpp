@@ -321,11 +321,6 @@ TEST(PassivityController, ACutForceStoresLess) {
   EXPECT_LE(most_N / 1000, 20e-3 * 0.5e-3);  // 1 N takes a thousandth of a joule in this tick
 }
 
-TEST(PassivityController, ASteadyDamperIsAQuarterOfWhatShakes) {
-  EXPECT_DOUBLE_EQ(steadyDamping(0.15, 1000, 0), 0.25 * 150);
-  EXPECT_NEAR(steadyDamping(0.15, 1000, 200), 0.25 * 0.15 / (1e-3 + 0.795775e-3), 1e-4);
-}
-
 // With 0.9 J on the observer's side, 0.1 J is owed; free motion forgives none of it, and what is paid back is no longer
 // owed.
 TEST(PassivityController, DebtStaysInFreeMotionUntilItIsPaid) {

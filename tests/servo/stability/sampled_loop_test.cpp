@@ -232,11 +232,13 @@ TEST(SampledLoop, WhatSettlesSoonLosesSoMuchOfEachSwing) {
   int checked = 0;
   for (int i = 0; i < 150; ++i) {
     const SampledLoop loop = heldLoop(dice);
-    const double damping = dice.upTo(2) == 0 ? 0 : dice.between(0, 0.5) * dampingBound(loop, kSoftest_N_per_m);
+    const double damping = dice.upTo(2) == 0 ? 0 : dice.between(0, 1) * usefulDamping(loop);
     const double most = settlingStiffness(loop, damping);
     ASSERT_GT(most, 0) << i;
     ASSERT_LE(most, stiffnessBound(loop, damping)) << i;
     EXPECT_TRUE(settlesSoon(loop, {0.999 * most, damping})) << i;
+    EXPECT_TRUE(isStable(loop, {1.298 * most, damping}) && isStable(loop, {1.298 * most, 1.298 * damping})) << i;
+    EXPECT_EQ(settlingStiffness(loop, 1.001 * usefulDamping(loop)), 0) << i;
     for (int k = 0; k < 10; ++k) EXPECT_TRUE(settlesSoon(loop, {dice.decades(1, most), damping})) << i;
     const std::complex<double> z = greatestEigenvalue(loop, {most, damping});
     const double turn = std::abs(std::arg(z));
@@ -256,7 +258,7 @@ TEST(SampledLoop, WhatSettlesSoonIsSeenToSettle) {
   int checked = 0;
   for (int i = 0; i < 60; ++i) {
     const SampledLoop loop = heldLoop(dice);
-    const double damping = dice.upTo(2) == 0 ? 0 : dice.between(0, 0.5) * dampingBound(loop, kSoftest_N_per_m);
+    const double damping = dice.upTo(2) == 0 ? 0 : dice.between(0, 1) * usefulDamping(loop);
     const double most = settlingStiffness(loop, damping);
     const double turn = std::abs(std::arg(greatestEigenvalue(loop, {most, damping})));
     if (turn < 1e-6) continue;
