@@ -25,17 +25,15 @@ void checkIsovalueIsUsed(std::span<const FilterSpec> chain, const std::string& t
 
 namespace {
 
-// Where the surface is before the filters, if that is a fact of the volume: told by its file or phantom, or that of a
-// mask, which lies half-way between its two values. A filter blurs these, and a histogram of the result finds another
-// place.
+// Where the surface is before the filters, if that is a fact of the volume: told by its file or phantom, or the one
+// that `palpate touch` takes of a mask. A filter blurs its two values, and the result would be given another one.
 std::optional<double> knownSurface(const Volume& volume) {
   const VolumeFacts& facts = volume.facts();
   if (facts.kept_isovalue) return facts.kept_isovalue;
   if (facts.declared_isovalue) return facts.declared_isovalue;
   if (!(volume.minimum() < volume.maximum())) return {};
-  const double isovalue = defaultIsovalue(volume);
-  const auto few = fewValuesOf(volume, isovalue);
-  return few && few->values.size() == 2 ? std::optional(isovalue) : std::nullopt;
+  const auto few = fewValuesOf(volume, 0.5 * (double{volume.minimum()} + double{volume.maximum()}));
+  return few && few->values.size() == 2 ? std::optional(defaultIsovalue(volume)) : std::nullopt;
 }
 
 }  // namespace

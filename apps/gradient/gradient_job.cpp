@@ -113,8 +113,8 @@ class Computed {
 GradientResult gradientFile(const GradientRequest& request, Progress& progress) {
   const Stopwatch watch;
   checkRequest(request);
-  (void)gradientOperator(request.gradient);  // refuses an invalid operator before the long work
-  AtomicFile file(request.out, Rights::kPrivate);              // and a folder without write permission
+  (void)gradientOperator(request.gradient);        // refuses an invalid operator before the long work
+  AtomicFile file(request.out, Rights::kPrivate);  // and a folder without write permission
   progress.stage("loading " + request.in);
   const Volume volume = loadAndTell(request.in, progress);
   throwIfInterrupted(kWork);

@@ -39,8 +39,8 @@ std::string plainWords(const std::string& message) {
   constexpr std::string_view kNoNumber = "Could not convert: ", kIs = " = ";
   if (message.starts_with(kNoNumber)) {
     const std::size_t end = std::min(message.find(kIs), message.size() - kIs.size());
-    return fmt::format("{}: '{}' is not a number", message.substr(kNoNumber.size(), end - kNoNumber.size()),
-                       message.substr(end + kIs.size()));
+    return fmt::format("{}: '{}' is not what it takes; give a number, and a whole one where it counts something",
+                       message.substr(kNoNumber.size(), end - kNoNumber.size()), message.substr(end + kIs.size()));
   }
   const std::string flag = message.substr(0, message.find(':'));
   if (message.find("At Most 1 required but received") != std::string::npos)

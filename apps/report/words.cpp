@@ -78,8 +78,11 @@ std::string swingWords(const ContactStability& s) {
 
 // What an unstable contact is mended by.
 std::string remedyWords(const ContactStability& s, const RunFigures& f) {
-  return fmt::format("lower --stiffness{}, raise --rate, or {}{}", s.delay_ticks > 0 ? " or --delay" : "",
-                     s.damps_late ? "lower --damping, which comes too late to brake" : "raise --damping",
+  const std::string most = std::isfinite(s.good_damping_Ns_per_m)
+                               ? fmt::format(" to {} at most", shortNumber(s.good_damping_Ns_per_m))
+                               : std::string();
+  return fmt::format("lower --stiffness{}, raise --rate, or {} --damping{}{}", s.delay_ticks > 0 ? " or --delay" : "",
+                     s.damps_too_much ? "lower" : "raise", most,
                      f.damped_ticks > 0 ? "" : "; --passivity control lessens it");
 }
 
@@ -99,7 +102,7 @@ std::string sourceWords(const ContactStability& s, const RunFigures& f) {
     case ActivitySource::kSampledWall:
       return fmt::format("a sampled wall with less damping than {} does so; {}{} or a higher --rate",
                          s.delay_ticks > 0 ? fmt::format("K T (1/2 + {})", s.delay_ticks) : "K T / 2",
-                         s.damps_late ? "less --stiffness" : "more --damping",
+                         s.damps_too_much ? "less --stiffness" : "more --damping",
                          s.delay_ticks > 0 ? ", a shorter --delay" : "") +
              (f.damped_ticks > 0 ? "" : ", or --passivity control,") + " lessens it";
     default:

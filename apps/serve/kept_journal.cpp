@@ -57,7 +57,8 @@ Descriptor lockOf(const fs::path& folder) {
 
 KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
   if (folder_.empty()) return;
-  if (const int failure = makeFolder(folder_, Rights::kPrivate); failure != 0) refuseFolder(folder_, std::strerror(failure));
+  if (const int failure = makeFolder(folder_, Rights::kPrivate); failure != 0)
+    refuseFolder(folder_, std::strerror(failure));
   lock_ = lockOf(folder_);
   const fs::path earlier = folder_ / "earlier";
   std::error_code ignored;
@@ -70,7 +71,8 @@ KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
     // First the mark: it would say that the journal which is put aside is not needed.
     drop(markIn(folder_));
     flush(folder_);
-    if (const int failure = makeFolder(earlier, Rights::kPrivate); failure != 0) refuseFolder(earlier, std::strerror(failure));
+    if (const int failure = makeFolder(earlier, Rights::kPrivate); failure != 0)
+      refuseFolder(earlier, std::strerror(failure));
     std::error_code failed;
     fs::rename(journalFile(folder_), journalFile(earlier), failed);
     if (failed) refuseFolder(folder_, failed.message());

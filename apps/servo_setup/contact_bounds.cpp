@@ -48,14 +48,16 @@ double quietJump(const SampledLoop& loop) {
   return 2 * std::max(loop.hand.device_friction_N, kLeastFriction_N);
 }
 
-// A damping that answers a step by more than this many times as much shakes whatever else is true: more than was tried.
+// A damping that answers a step by more than this many times as much is not given to a hand: dampings of up to that are
+// tried (quiet_contacts_test), and at 90 times an arm bounced at 5 Hz, too slowly for the guard.
 constexpr double kMostJumps = 10;
 
 bool isDampedQuietly(const SampledLoop& loop, double damping_Ns_per_m, double resolution_m) {
   return forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m) <= kMostJumps * quietJump(loop);
 }
 
-// Whether such swings die.
+// Whether such swings die. Without the gain of rounding, which is that of swings of about a step: of 12,000 contacts
+// none needed it here.
 bool isQuiet(const SampledLoop& loop, const Wall& wall, double resolution_m) {
   constexpr double kRounding = 1e-9;  // of quietStiffness()
   if (!isDampedQuietly(loop, wall.damping_Ns_per_m, resolution_m)) return false;
@@ -103,6 +105,16 @@ bool shakes(const Contact& contact) {
   });
 }
 
+// In every hand: whether no swing grows.
+bool isStable(const Contact& contact) {
+  const double gain = roundingGain(contact.limits.position_resolution_m);
+  return std::ranges::all_of(contact.hands, [&](const HandParameters& hand) {
+    return std::ranges::all_of(ways(contact.settings), [&](const Way& way) {
+      return isStable(contact.in(hand), wallOf(contact.settings, way, gain));
+    });
+  });
+}
+
 // The hand, and the way, in which the contact may be least stiff.
 struct Worst {
   SampledLoop loop;
@@ -138,6 +150,7 @@ double twoDigits(double value, double (*round)(double)) {
 std::string other(const Contact& contact) {
   std::string words;
   if (contact.limits.sets_pace) return words;
+  // Encoders whose steps a higher rate makes worse have no such rate: then none is named.
   Contact faster = contact;
   const double rate_hz = leastRate([&](double tried_hz) {
     faster.loop.rate_hz = tried_hz;
@@ -169,8 +182,7 @@ std::string stepWords(const SampledLoop& loop, const Wall& wall, double resoluti
 // What the contact will do, and why.
 std::string reason(const Contact& contact, const Worst& worst) {
   const double resolution_m = contact.limits.position_resolution_m;
-  if (!isStable(worst.loop, wallOf(contact.settings, worst.way, roundingGain(resolution_m))))
-    return "so the contact will shake";
+  if (!isStable(contact)) return "so the contact will shake";
   if (!worst.by_encoders) return "so the contact may swing for long";
   return "so the contact may swing on, " + stepWords(worst.loop, wallOf(contact.settings, worst.way), resolution_m);
 }
@@ -248,9 +260,9 @@ bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Dev
   return !contact.isKnown() || shakes(contact);
 }
 
-bool dampsTooLate(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
+double renderableDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   const Contact contact(settings, loop, device);
-  return contact.isKnown() && settings.parameters.damping_Ns_per_m > mostDamping(contact);
+  return contact.isKnown() ? mostDamping(contact) : std::numeric_limits<double>::infinity();
 }
 
 double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
@@ -266,8 +278,8 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
   for (const HandParameters& hand : device.hands()) {
     // 2 f / D alone: the other term of that bound is for a wall without damping, and the sampled loop is exact.
     if (hand.device_friction_N > 0 && limits.position_resolution_m > 0)
-      most =
-          std::min(most, 2 * hand.device_friction_N / limits.position_resolution_m / mostStiffening(settings.effects));
+      most = std::min(most, 2 * hand.device_friction_N / limits.position_resolution_m /
+                                std::max(mostStiffening(settings.effects), mostStiffeningAside(settings.effects)));
   }
   const double wanted = limits.stiffness_limit_N_per_m > 0 ? limits.stiffness_limit_N_per_m : asked;
   if (!(most > 0)) return wanted;  // no stiffness settles with this damping: boundWarnings() says so
@@ -276,9 +288,8 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
 
 double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   const double asked = settings.parameters.damping_Ns_per_m;
-  const Contact contact(settings, loop, device);
-  if (!contact.limits.follows_force || !contact.isKnown()) return asked;
-  const double most = mostDamping(contact);
+  if (!device.limits().follows_force) return asked;
+  const double most = renderableDamping(settings, loop, device);
   return most < asked ? twoDigits(most, std::floor) : asked;
 }
 

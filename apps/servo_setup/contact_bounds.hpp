@@ -24,8 +24,9 @@ namespace palpate {
 // device, or the algorithm has no stiffness. Asked at every change of the settings.
 [[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
-// Whether no wall settles soon with so much damping: the remedy is less of it.
-[[nodiscard]] bool dampsTooLate(const RigSettings& settings, const LoopParameters& loop, const Device& device);
+// The largest damping with which some wall settles soon in every hand [N s/m]. Infinite: nothing is known of the
+// device, or the algorithm has no stiffness.
+[[nodiscard]] double renderableDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The largest stiffness that settles soon in every hand, with the settings' damping and effects [N/m]: what a warning
 // names. Infinite: nothing is known of the device, or the algorithm has no stiffness.

@@ -9,8 +9,6 @@
 #include "servo/devices/registry.hpp"
 
 namespace palpate {
-namespace {}  // namespace
-
 bool hasPath(const Scene& scene) {
   return !isHeld(scene) && scene.device != kRecorded;
 }

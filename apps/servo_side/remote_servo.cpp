@@ -286,7 +286,8 @@ void RemoteServo::take(const wire::EndedT& ended, Descriptor attached) {
              .first_due_ns = ended.first_due_ns};
   if (!records.recording.empty()) recording_ = readRecording(records.recording, "the servo's recording");
   if (recording_ && !recording_->damage.empty())
-    refuseOtherVersion("the servo", "it sends a recording that is damaged: " + recording_->damage);
+    throw Error(Error::Code::kDevice, "the servo", "it sends a recording that is damaged: " + recording_->damage,
+                "run it again; if that goes on, run it without --service");
   for (const auto& figure : ended.figures)
     if (figure) figures_.emplace_back(figure->key, figure->value);
   device_->set(forceOffOf(ended.force_off));

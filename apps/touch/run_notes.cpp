@@ -24,7 +24,7 @@ bool isSilent(const TickRecord& record, double isovalue) {
 std::string moreForceWords(const Scene& scene, double depth_m) {
   constexpr double kClear_N = 0.5;
   constexpr double kStiffest_N_per_m = 1e5;  // that --stiffness takes
-  if (!scene.edit.empty()) return "the brush changes what is under the tool: a lower rate of it leaves more to press";
+  if (!scene.edit.empty()) return "the brush changes the object under the tool";
   if (isHeld(scene)) return "raise --stiffness as far as the device can render it";
   if (scene.spring_hand) return "raise --depth or --hand-stiffness, or give --hand rigid";
   const double needed_N_per_m = kClear_N / depth_m;

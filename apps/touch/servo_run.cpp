@@ -112,7 +112,7 @@ ServoRun runServo(const Scene& scene, RigVolume volume, ServoSide& servo, Engine
   before_first_tick(boundWarnings(settings, parameters, servo.device()));
   ServoRun run = scene.simulated_clock ? runSimulated(rig, static_cast<double>(parameters.ticks), progress)
                                        : runReal(rig, scene.duration_s, progress);
-  run.damps_late = dampsTooLate(settings, parameters, servo.device());
+  run.most_damping_Ns_per_m = renderableDamping(settings, parameters, servo.device());
   return run;
 }
 

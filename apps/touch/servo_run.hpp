@@ -26,7 +26,7 @@ void checkRunLength(const Scene& scene, std::uint64_t available_bytes);
 
 struct ServoRun {
   LoopResult loop;
-  bool damps_late = false;  // dampsTooLate()
+  double most_damping_Ns_per_m = std::numeric_limits<double>::infinity();  // renderableDamping()
   // Simulated clock: mean time that a tick took this machine, with the engine's work before it (windows, edits). The
   // first tick, whose window may wait for the driver's compiler, does not count [us].
   std::optional<double> loop_us_a_tick = {};

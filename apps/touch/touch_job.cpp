@@ -322,7 +322,7 @@ class TouchJob {
   std::optional<VolumeSurface> surface_;  // of what is felt
   std::optional<ScriptedPath> path_;
   DeviceLimits limits_;
-  bool damps_late_ = false;
+  double most_damping_Ns_per_m_ = std::numeric_limits<double>::infinity();
   RigVolume rig_volume_;
   double object_m3_ = 0;  // before the edits
   // With --save they own the volume while the servo runs: nobody else reads it before finish().
@@ -376,6 +376,7 @@ void TouchJob::layPath() {
   run_.object_outlines = objects_.outlines;
   if (const auto stairs = stairWords(*volume_, isovalue_, plan_, FilterGiven::kAsOption); !stairs.empty())
     warn(run_.volume.name + ": " + stairs);
+  if (const auto note = noteOnRecording(run_.scene)) warn(*note);
   if (!hasPath(scene_)) return;
   if (const auto note = noteOnPlaneAge(run_.scene, path_->path, *surface_)) warn(*note);
 }
@@ -435,7 +436,7 @@ void TouchJob::feel() {
   });
   run_.loop_us_a_tick = felt.loop_us_a_tick;
   run_.work.threads = std::move(felt.threads);
-  damps_late_ = felt.damps_late;
+  most_damping_Ns_per_m_ = felt.most_damping_Ns_per_m;
   LoopResult& result = felt.loop;
   run_.records = std::move(result.records);
   limits_ = result.device;
@@ -452,7 +453,8 @@ void TouchJob::assess() {
   run_.stability = assessContact(run_.records, {.resolution_m = limits_.position_resolution_m,
                                                 .delay_ticks = limits_.force_delay_ticks,
                                                 .lacking_Ns_per_m = lackingDamping(run_.scene, limits_),
-                                                .damps_late = damps_late_,
+                                                .damping_Ns_per_m = dampingOf(run_.scene),
+                                                .most_damping_Ns_per_m = most_damping_Ns_per_m_,
                                                 .path = hasPath(scene_) ? &path_->path : nullptr});
   run_.faults = faultsOf(run_);
   run_.exact = exactErrorsOf(run_);
@@ -460,8 +462,7 @@ void TouchJob::assess() {
   asked.stiffness_N_per_m = run_.scene.stiffness_N_per_m;
   asked.damping_Ns_per_m = run_.scene.damping_Ns_per_m;
   for (const auto& note :
-       {noteOnRecording(run_.scene),
-        noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
+       {noteOnSilence(run_.records, engine_->isovalue(), run_.scene.rate_hz, scene_.algorithm),
         noteOnEncoders(run_.scene, limits_), noteOnTexture(run_.scene), noteOnFaintForce(asked, *run_.figures),
         noteOnNoContact(*run_.figures, !run_.ended_early.empty(), hasPath(scene_)),
         noteOnHand(scene_, *run_.figures, run_.phases), noteOnBrush(run_.scene, *run_.figures)}) {

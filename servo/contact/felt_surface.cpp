@@ -73,7 +73,7 @@ FeltSurface::Way FeltSurface::wayOf(const WindowSampler& sampler, const Vec3& wa
 Vec3 FeltSurface::footOf(const Contact& contact) const noexcept {
   const Vec3& plane_W = contact.plane.normal_W;
   const double whole_m = contact.plane.depth(contact.hip_W) + contact.eased_m;
-  const Vec3 below_tool_W = contact.plane.nearest(contact.hip_W) + contact.eased_m * plane_W;
+  Vec3 below_tool_W = contact.plane.nearest(contact.hip_W) + contact.eased_m * plane_W;
   const double cosine = form_.normal_W.dot(plane_W);
   if (!(cosine > 0)) return below_tool_W;
   const Vec3 aside_W = whole_m / cosine * (form_.normal_W - cosine * plane_W);

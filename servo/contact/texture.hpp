@@ -9,10 +9,11 @@
 // other side. Over the whole bump it gives no energy. shape_operator.hpp says what changes where the surface curves,
 // felt_surface.hpp where p is.
 // Deeper than 2A the share falls again: s = 1 / sqrt(1 + (D - 2A)^2 / w^2). If it did not, a dent would hold the tool
-// along the surface by D' times the bend of h: in a deep press tenfold K, without damping, and a light hand would shake
-// in it. w is such that D' s is never more than one over the largest bend, so the bend adds at most K; a tool that is
-// held by its distance to a bumpy surface is held no stiffer than that either. The height is felt in full down to some
-// w (0.6 mm for A = 0.1 mm at a wavelength of 1 mm); beyond, the push along the surface goes on as it is there.
+// along the surface by D' times the bend of h: in a deep press many times K, without damping, and a light hand would
+// shake in it. w is such that D' s is never more than one over the largest bend, so the bend adds at most K on a plane,
+// and on a ball of radius R as often more as it sees smaller (R / (R - D))^2; a tool that is held by its distance to a
+// bumpy surface is held no stiffer than that either. The height is felt in full down to some w (0.6 mm for A = 0.1 mm
+// at a wavelength of 1 mm); beyond, the push along the surface goes on as it is there.
 // Frame W: world [m]. Thread: move() and release() the servo's. Cost: docs/effects.md.
 #pragma once
 

@@ -42,7 +42,8 @@ struct Recording {
   DeviceLimits limits = {};
   std::vector<HandParameters> hands = {};
   std::vector<RecordedTick> ticks = {};
-  std::string damage = {};  // of its bytes: what is wrong with them, and where; what is before that was read. Empty: whole
+  std::string damage =
+      {};  // of its bytes: what is wrong with them, and where; what is before that was read. Empty: whole
 
   // Of the servo's grid, from the first tick to the last [tick].
   [[nodiscard]] std::int64_t gridTicks() const noexcept;

@@ -22,6 +22,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "servo/devices/path.hpp"
@@ -38,8 +39,9 @@ struct ContactConditions {
   double resolution_m = 0;      // of the device's encoders [m]
   int delay_ticks = 0;          // of the device's force
   double lacking_Ns_per_m = 0;  // K T / 2 + K T delay, less the wall's damping; 0 or less: enough damping [N s/m]
-  bool damps_late = false;      // so much damping that less of it is the remedy
-  const Path* path = nullptr;   // where the hand wanted the tool; null: unknown
+  double damping_Ns_per_m = 0;  // of the wall
+  double most_damping_Ns_per_m = std::numeric_limits<double>::infinity();  // that some wall bears; infinite: unknown
+  const Path* path = nullptr;  // where the hand wanted the tool; null: unknown
 };
 
 struct ContactStability {
@@ -52,7 +54,10 @@ struct ContactStability {
   double share = 0;      // given / stored; 0 where nothing was stored [-]
   double allowed_J = 0;  // error and quiet share, summed over all contacts
   int delay_ticks = 0;   // of the device's force, which lends to both
-  bool damps_late = false;
+  // The damping that a wall should have at most [N s/m]: with more of what some wall bears, only soft ones do.
+  // Infinite: unknown. And whether the contact had more.
+  double good_damping_Ns_per_m = std::numeric_limits<double>::infinity();
+  bool damps_too_much = false;
   // For the swings:
   int bounces = 0;              // how often contact was left outwards while the hand wanted the tool inside
   double swing_m = 0;           // mean height of the swings that were judged unstable; the largest such mean [m]
@@ -62,6 +67,7 @@ struct ContactStability {
   int ended_by_servo = 0;       // how often the servo took the force away for it (instability_guard.hpp)
 
   static constexpr double kQuietShare = 0.01;
+  static constexpr double kGoodDamping = 0.7;  // of the largest: the stiffest walls are there and below
 };
 
 [[nodiscard]] ContactStability assessContact(std::span<const TickRecord> records, const ContactConditions& conditions);

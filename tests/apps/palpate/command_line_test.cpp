@@ -48,7 +48,8 @@ class CommandLine : public ProgramTest {
 // Options that are no part of a scene are read by the library of flags.
 TEST_F(CommandLine, WordsAreNoNumbers) {
   expectRefusal(run({"filter", "phantom:sphere?size=16", "-o", "x.nrrd", "--filter", "distance:3", "--iso", "foo"}),
-                "--iso", "'foo' is not a number; 'palpate filter --help'", 2);
+                "--iso",
+                "'foo' is not what it takes; give a number, and a whole one where it counts something; 'palpate", 2);
 }
 
 TEST_F(CommandLine, CalibratingWithoutADeviceTellsWhereTheyAreListed) {

@@ -118,7 +118,7 @@ TEST(ContactBounds, WarnWhereTheLoopDoesNotSettleAndNameValuesWithWhichItDoes) {
       const double safe_damping = numberAfter(warnings[0], "give at most ");
       EXPECT_GT(settlingStiffness(loop, safe_damping), 0) << warnings[0];
       EXPECT_LE(safe_damping, usefulDamping(loop)) << warnings[0];
-      EXPECT_TRUE(dampsTooLate(settings, parameters, device)) << warnings[0];
+      EXPECT_LT(renderableDamping(settings, parameters, device), damping) << warnings[0];
       // Both values that are named end every warning.
       RigSettings told = settings;
       told.parameters.damping_Ns_per_m = safe_damping;

@@ -125,7 +125,8 @@ TEST(RunNotes, TellOfForcesThatNobodyFeels) {
   scene.device = "simulated";
   scene.edit = "remove:2";
   EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("0.001 mm deep, and --stiffness 500"));
-  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""), HasSubstr("; the brush changes what is under the tool"));
+  EXPECT_THAT(noteOnFaintForce(scene, figures).value_or(""),
+              HasSubstr("; the brush changes the object under the tool"));
 }
 
 // A depth of 0.1 mm makes 0.05 N. Less force than that is then a limit's or a fault's doing.

@@ -153,7 +153,7 @@ TEST(ProceduralTexture, IsNoSteeperThanStated) {
 }
 
 // Along the surface a texture holds the tool by at most K for its bend and K times its slope squared, however deep the
-// tool is: differences of d over a nanometre. Without that a deep press is held tenfold, without damping.
+// tool is: differences of d over a nanometre. Without that a deep press is held many times as stiffly, without damping.
 TEST(ProceduralTexture, HoldsTheToolAlongTheSurfaceByLittleMoreThanTheStiffness) {
   Seeded random(12);
   double most = 0;
