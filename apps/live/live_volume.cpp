@@ -21,6 +21,7 @@
 #include "engine/files/volume_file.hpp"
 #include "engine/journal/acknowledged_file.hpp"
 #include "engine/journal/checkpoint.hpp"
+#include "engine/journal/recovery.hpp"
 #include "engine/journal/volume_identity.hpp"
 
 namespace palpate {
@@ -77,22 +78,28 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   if (request.look) request.look(*volume_, first_isovalue_);
   const bool checkpoints = request.outlives_its_engine && !journal_.empty();
   const VolumeIdentity identity = journal_.empty() ? VolumeIdentity{} : identityOf(*volume_);
-  const std::vector<LastingEdit> earlier = journal ? lastingEdits(*journal) : std::vector<LastingEdit>{};
-  Headstart held;  // by the volume, before the engine gets it
-  if (journal && checkpoints) held = putCheckpoint(journal_, journal->header, earlier, *volume_);
+  Recovered found;  // in the volume before the engine gets it
+  if (journal)
+    found = recoverSession(*journal, request.recovers, checkpoints ? journal_ : std::filesystem::path(), *volume_);
+  loss_ = found.loss;
+  lost_records_ = found.lost_records;
+  if (!loss_.empty()) tell_(loss_);
   progress.stage("computing on Vulkan");
   engine_ = std::make_unique<Engine>(*volume_, request.plan, first_isovalue_, request.gpu, request.gpu_memory_bytes,
                                      passProgress(progress, stopIfInterrupted));
   const BrushProfile profile = journal ? journal->header.profile : brushProfile(*volume_, first_isovalue_);
-  session_ =
-      std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes, held.edits);
-  if (!journal_.empty()) session_->keepJournal(journal_, identity, watchedJournal());
+  session_ = std::make_unique<EditSession>(*engine_, profile, std::span<const EditKind>{}, request.undo_bytes,
+                                           found.held.edits);
+  if (!journal_.empty()) {
+    std::optional<JournalBeginning> beginning;
+    if (found.begins_with_bricks) beginning = {found.mark, &*volume_, found.held.bricks};
+    session_->keepJournal(journal_, identity, watchedJournal(), beginning);
+  }
   volume_->keepIsovalue(first_isovalue_);
   session_->keepSaved(*volume_, {}, 0);
   if (request.outlives_its_engine) session_->keepAbreast();
-  if (checkpoints)
-    session_->keepCheckpoints(journal_, {identity, profile}, std::span(earlier).first(held.edits), held, tell_);
-  makeAgain(std::span(earlier).subspan(held.edits), progress);
+  if (checkpoints) session_->keepCheckpoints(journal_, found.before, found.held, tell_);
+  makeAgain(found.edits, progress);
   edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));

@@ -78,6 +78,10 @@ class LiveVolume {
   // Whether every edit made until now is on the disk, in the journal. Waits for the disk. Engine's thread.
   [[nodiscard]] bool journalHolds() { return session_->flushJournal(); }
   [[nodiscard]] std::string journalFailure() const;
+  // Of the journal whose edits were made again (LiveVolumeRequest::recovers): what of it could not be read, in words,
+  // and how many records that somebody was told of are missing. "": nothing.
+  [[nodiscard]] const std::string& loss() const noexcept { return loss_; }
+  [[nodiscard]] std::uint64_t lostRecords() const noexcept { return lost_records_; }
 
   // Writes the volume, or its isosurface as a mesh, as the suffix says, with every edit made until now, in the
   // background. `done` gets what became of it, once, whatever happens. Throws Error(kBadInput) as checkOutput() does
@@ -115,6 +119,8 @@ class LiveVolume {
   std::atomic<std::uint64_t> saved_version_{0};  // RigEdits::State::content_version that a saved file holds
   std::atomic<std::size_t> errands_{0};
   std::filesystem::path journal_;
+  std::string loss_;
+  std::uint64_t lost_records_ = 0;
   std::optional<Volume> volume_;  // the saver's from the constructor to close()
   double first_isovalue_ = 0;
   std::unique_ptr<const Stairs> stairs_;  // of the volume without an edit

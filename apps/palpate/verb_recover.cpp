@@ -11,7 +11,7 @@
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/error.hpp"
 #include "engine/files/volume_file.hpp"
-#include "engine/journal/replay.hpp"
+#include "engine/journal/recovery.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 
@@ -39,16 +39,19 @@ Volume loadStart(const RecoverArguments& arguments, const std::string& source, P
   }
 }
 
-std::string editsInWords(const Journal& journal) {
+std::string editsInWords(const Journal& journal, const Recovered& found) {
+  const std::size_t in_effect = found.held.edits + found.edits.size();
+  if (found.begins_with_bricks)
+    return fmt::format("{} edit{} in effect; newest record {}", in_effect, in_effect == 1 ? "" : "s", found.sequence);
   const auto edits = std::count_if(journal.records.begin(), journal.records.end(),
                                    [](const JournalRecord& record) { return !record.commands.empty(); });
-  const auto undone = edits - static_cast<std::ptrdiff_t>(lastingEdits(journal).size());
-  return fmt::format("{} edit{}, {} undone; newest record {}", edits, edits == 1 ? "" : "s", undone,
-                     journal.last_sequence);
+  return fmt::format("{} edit{}, {} undone; newest record {}", edits, edits == 1 ? "" : "s",
+                     edits - static_cast<std::ptrdiff_t>(in_effect), journal.last_sequence);
 }
 
 void recover(const RecoverArguments& arguments) {
-  const std::string folder = journalFolder(arguments.folder);
+  const std::string given = journalFolder(arguments.folder);
+  const std::string folder = countingJournal(given).string();
   ConvertRequest output{.in = folder, .out = arguments.out};
   checkOutput(output);
   Progress progress;
@@ -59,8 +62,10 @@ void recover(const RecoverArguments& arguments) {
   AtomicFile file(arguments.out, Rights::kPrivate);
   progress.stage("loading " + source);
   Volume volume = loadStart(arguments, source, progress);
+  checkStart(journal, volume, source);
   progress.stage("applying the edits");
-  replay(journal, volume, [&](double done) {
+  const Recovered found = recoverSession(journal, folder, given, volume);
+  makeEdits(found.edits, journal.header.profile, volume, [&](double done) {
     throwIfInterrupted("palpate recover");
     progress.fraction(done);
   });
@@ -69,17 +74,16 @@ void recover(const RecoverArguments& arguments) {
   static_cast<void>(writeOutput(volume, output, "palpate recover", file, progress));
   file.commit();
   progress.done();
-  printResult("Journal   {}\n", editsInWords(journal));
-  if (journal.damage) {
-    printResult("Lost      {}\n", describeDamage(*journal.damage));
-    tellUser(fmt::format("{}: it has lost {}; {} holds what is before", folder, describeDamage(*journal.damage),
-                         arguments.out));
+  printResult("Journal   {}\n", editsInWords(journal, found));
+  if (!found.loss.empty()) {
+    printResult("Lost      {}\n", found.loss);
+    tellUser(fmt::format("{}; {} holds what could be read", found.loss, arguments.out));
   }
   printResult("Volume    {}, content {:016x}\nFile      {}\n", source, contentHash(volume), arguments.out);
   const std::string surface = surfaceWords(arguments.out, journal.header.profile.isovalue);
   if (!surface.empty()) printResult("Surface   {}", surface);
   // The volume was written, but the exit status tells that edits are missing.
-  if (journal.damage) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));
+  if (!found.loss.empty()) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));
 }
 
 }  // namespace

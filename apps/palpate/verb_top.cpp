@@ -38,6 +38,12 @@ struct TopArguments {
 
 using Figures = std::map<std::string, double>;
 
+// Whether edits are on the disk: "no" where the journal has failed, and how many were lost before the service began.
+std::string keptWords(double journal_failed, double lost_records) {
+  if (journal_failed > 0) return "no";
+  return lost_records > 0 ? fmt::format("-{:.0f}", lost_records) : "yes";
+}
+
 class Watch {
  public:
   explicit Watch(const TopArguments& arguments) : arguments_(arguments) { client_.emplace(arguments.socket, kProgram); }
@@ -79,7 +85,7 @@ class Watch {
     if (lines_++ % kLinesBetweenHeads == 0)
       printText(
           "servo  ticks/s  pose [ms]  window [ms]  force [N]  contact  windows/s  edits/s  waiting  undo/redo  to disk "
-          " clients  "
+          " kept    clients  "
           "memory [MiB]: engine  servo  GPU  faults\n");
     const std::int64_t now_ns = monotonicNow_ns();
     const double passed_s = static_cast<double>(now_ns - last_ns_) / kNanosecondsPerSecond;
@@ -95,7 +101,7 @@ class Watch {
     const double ticks_per_s = is_same ? std::max(0.0, value("tick") - last("tick")) / posed_s : 0;
     printText(fmt::format(
         "{:<5}  {:>7.0f}  {:>9.1f}  {:>11.1f}  {:>9.2f}  {:<7}  {:>9.0f}  {:>7.1f}  {:>7.0f}  {:>4.0f}/{:<4.0f}  "
-        "{:>7.0f}  "
+        "{:>7.0f}  {:<6}  "
         "{:>7.0f}  {:>20.1f}  {:>5.1f}  {:>5.1f}  {}\n",
         has_servo ? "on" : "off", ticks_per_s, value("pose_age_ms"), value("window_age_ms"), value("force_N"),
         value("force_off") > 0           ? "off"
@@ -103,8 +109,8 @@ class Watch {
         : value("contact") > 0           ? "yes"
                                          : "no",
         rate("windows"), rate("edits"), value("waiting"), value("undoable"), value("redoable"),
-        value("waiting_for_disk"), value("clients"), value("engine_memory_bytes") / kMiB,
-        value("servo_memory_bytes") / kMiB, value("gpu_bytes") / kMiB,
+        value("waiting_for_disk"), keptWords(value("journal_failed"), value("lost_records")), value("clients"),
+        value("engine_memory_bytes") / kMiB, value("servo_memory_bytes") / kMiB, value("gpu_bytes") / kMiB,
         has_servo ? faultNames(static_cast<std::uint32_t>(value("faults"))) : "-"));
     flushResults();  // also into a pipe
     last_ = now;

@@ -15,7 +15,7 @@
 
 #include "base/durable_io.hpp"
 #include "base/error.hpp"
-#include "engine/journal/replay.hpp"
+#include "engine/journal/recovery.hpp"
 
 namespace palpate {
 namespace {
@@ -75,7 +75,7 @@ std::vector<LeftSession> leftSessions(const std::filesystem::path& root) {
     try {
       const Journal journal = readJournal(entry.path());
       const std::size_t edits = lastingEdits(journal).size();
-      if (edits > 0) {
+      if (edits > 0 || journal.damage) {
         left.push_back(
             {entry.path(), journal.header.volume.source, edits, journal.damage ? describeDamage(*journal.damage) : ""});
       }
@@ -85,6 +85,11 @@ std::vector<LeftSession> leftSessions(const std::filesystem::path& root) {
   }
   std::sort(left.begin(), left.end(), [](const auto& a, const auto& b) { return a.folder > b.folder; });
   return left;
+}
+
+void passLeftSession(const LeftSession& session) {
+  if (session.damage.empty()) return dropLeftSession(session);
+  static_cast<void>(putAside(session.folder, session.folder));
 }
 
 void dropLeftSession(const LeftSession& session) {

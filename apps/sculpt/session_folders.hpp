@@ -34,11 +34,14 @@ struct LeftSession {
   std::string damage;     // what of its journal cannot be read; empty: nothing
 };
 
-// Of all folders below `root` that no program holds, the newest first. Folders without a journal, or with one without
-// edits, are left out, as is what cannot be read.
+// Of all folders below `root` that no program holds, the newest first. Folders without a journal, or with a sound one
+// without edits, are left out, as is a journal whose header cannot be read.
 [[nodiscard]] std::vector<LeftSession> leftSessions(const std::filesystem::path& root);
 
 // Deletes the journal of a session that is not wanted any more, and its folder.
 void dropLeftSession(const LeftSession& session);
+// The edits are in another journal: the same, but a journal that was not read to its end is kept, under another name.
+// Throws Error(kIo) as putAside() does.
+void passLeftSession(const LeftSession& session);
 
 }  // namespace palpate

@@ -11,7 +11,7 @@
 #include "base/durable_io.hpp"
 #include "base/error.hpp"
 #include "base/file_lock.hpp"
-#include "engine/journal/journal_format.hpp"
+#include "engine/journal/recovery.hpp"
 
 namespace palpate {
 namespace {
@@ -21,10 +21,6 @@ namespace fs = std::filesystem;
 bool holdsJournal(const fs::path& folder) {
   std::error_code ignored;
   return fs::exists(journalFile(folder), ignored);
-}
-
-fs::path markIn(const fs::path& folder) {
-  return folder / "holds-all";
 }
 
 [[noreturn]] void refuseFolder(const fs::path& folder, const std::string& why) {
@@ -60,16 +56,16 @@ KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
   if (const int failure = makeFolder(folder_, Rights::kPrivate); failure != 0)
     refuseFolder(folder_, std::strerror(failure));
   lock_ = lockOf(folder_);
-  const fs::path earlier = folder_ / "earlier";
+  const fs::path earlier = earlierFolder(folder_);
   std::error_code ignored;
-  if (holdsJournal(earlier) && fs::exists(markIn(folder_), ignored)) {
+  if (holdsJournal(earlier) && fs::exists(holdsAllMark(folder_), ignored)) {
     drop(journalFile(earlier));
   } else if (holdsJournal(earlier)) {
     drop(journalFile(folder_));  // begun by one that was killed while it made the edits again
   }
   if (!holdsJournal(earlier) && holdsJournal(folder_)) {
     // First the mark: it would say that the journal which is put aside is not needed.
-    drop(markIn(folder_));
+    drop(holdsAllMark(folder_));
     flush(folder_);
     if (const int failure = makeFolder(earlier, Rights::kPrivate); failure != 0)
       refuseFolder(earlier, std::strerror(failure));
@@ -82,14 +78,20 @@ KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
   if (holdsJournal(earlier)) earlier_ = earlier;
 }
 
-void KeptJournal::takeOver() {
-  if (earlier_.empty()) return;
-  writeFileAtomically(markIn(folder_), "");
+fs::path KeptJournal::takeOver(bool was_read_whole) {
+  if (earlier_.empty()) return {};
+  writeFileAtomically(holdsAllMark(folder_), "");
   flush(folder_);
-  drop(journalFile(earlier_));
+  fs::path aside;
+  if (was_read_whole) {
+    drop(journalFile(earlier_));
+  } else {
+    aside = putAside(earlier_, folder_);
+  }
   std::error_code ignored;
   fs::remove(earlier_, ignored);
   earlier_.clear();
+  return aside;
 }
 
 }  // namespace palpate

@@ -20,9 +20,10 @@ class KeptJournal {
   explicit KeptJournal(const std::filesystem::path& folder);
   // Where the earlier one is now; empty: there is none.
   [[nodiscard]] const std::filesystem::path& earlier() const noexcept { return earlier_; }
-  // The new journal holds all of the earlier one, on the disk: it counts from now on, and the earlier one is deleted.
-  // Throws Error(kIo): then the earlier one counts.
-  void takeOver();
+  // The new journal holds all that could be read of the earlier one, on the disk: it counts from now on. The earlier
+  // one is deleted, or put aside where something of it could not be read; then its new place is returned. Throws
+  // Error(kIo): then the earlier one counts.
+  std::filesystem::path takeOver(bool was_read_whole);
 
  private:
   std::filesystem::path folder_, earlier_;

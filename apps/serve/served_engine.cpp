@@ -95,7 +95,10 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
                                   .outlives_its_engine = true,
                                   .work = "palpate serve"},
                 progress, tell);
-  if (live_->journalFailure().empty()) journal_->takeOver();
+  if (live_->journalFailure().empty()) {
+    if (const auto aside = journal_->takeOver(live_->loss().empty()); !aside.empty())
+      tell(fmt::format("the journal that could not be read to its end is kept as {}", aside.string()));
+  }
   const Volume& volume = live_->volume();
   size_ = volume.size();
   lattice_ = volume.lattice();

@@ -54,6 +54,8 @@ constexpr StatusFigure kFigures[] = {
     {"redoable", "edits that can be redone", false, [](S s, std::int64_t) { return number(s.redoable); }},
     {"unsaved", "1 while no saved file holds every edit", false, [](S s, std::int64_t) { return s.unsaved ? 1.0 : 0.0; }},
     {"journal_bytes", "length of the journal [byte]", false, [](S s, std::int64_t) { return number(s.journal_bytes); }},
+    {"journal_failed", "1 while edits are not kept, since the journal cannot be written", false, [](S s, std::int64_t) { return s.journal_failure.empty() ? 0.0 : 1.0; }},
+    {"lost_records", "records of the journal before this start that could not be read, and nothing else had", false, [](S s, std::int64_t) { return number(s.lost_records); }},
     {"engines", "engines made so far: one more for each lost device and each change of filters", true, [](S s, std::int64_t) { return number(s.engines); }},
     {"gpu_bytes", "buffers on the Vulkan device [byte]", false, [](S s, std::int64_t) { return number(s.gpu_bytes); }},
     {"engine_memory_bytes", "resident memory of the engine's process [byte]", false, [](S, std::int64_t) { return residentBytes(getpid()); }},

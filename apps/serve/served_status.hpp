@@ -32,8 +32,9 @@ struct ServedStatus {
   bool unsaved = false;
   std::uint64_t journal_bytes = 0;
   std::string journal_failure;
-  std::uint64_t engines = 1;    // made so far
-  std::uint64_t gpu_bytes = 0;  // of the engine's buffers
+  std::uint64_t lost_records = 0;  // of the journal that this service went on from
+  std::uint64_t engines = 1;       // made so far
+  std::uint64_t gpu_bytes = 0;     // of the engine's buffers
   std::uint64_t clients = 0;
 };
 

@@ -307,6 +307,7 @@ ServedStatus ServedVolume::status() const {
   status.waiting = counts.waiting;
   status.redoable = counts.undone;
   status.unsaved = live.isUnsaved();
+  status.lost_records = live.lostRecords();
   if (const JournalWriter* const journal = live.session().journal()) {
     status.waiting_for_disk = answers_.waiting();
     status.journal_bytes = journal->bytes();

@@ -144,7 +144,7 @@ std::unique_ptr<OpenVolume> openVolume(GuiHost& host, SculptRequest request, con
   auto session = load<SculptSession>(
       host, request.volume, [&](Progress& progress) { return std::make_unique<SculptSession>(request, progress); });
   if (!session) return nullptr;
-  if (left && session->journalHolds()) dropLeftSession(*left);  // its edits are in the new journal
+  if (left && session->journalHolds()) passLeftSession(*left);  // its edits are in the new journal
   opened->session = std::move(session);
   return opened;
 }

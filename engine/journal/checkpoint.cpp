@@ -2,9 +2,9 @@
 #include "engine/journal/checkpoint.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -17,9 +17,7 @@
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
-#include "engine/bricks/brick_grid.hpp"
-#include "engine/field/brick_values.hpp"
-#include "engine/journal/byte_stream.hpp"
+#include "engine/journal/kept_bricks.hpp"
 
 namespace palpate {
 
@@ -32,27 +30,24 @@ fs::path checkpointFile(const fs::path& folder, std::size_t number) {
 namespace {
 
 constexpr std::string_view kMagic = "PALPCHKP";
-constexpr std::uint32_t kVersion = 1;
-constexpr std::size_t kHeadBytes = 28;  // magic, version, mark
+constexpr std::uint32_t kVersion = 2;
+constexpr std::size_t kHeadBytes = 44;  // magic, version, head
 
 struct Content {
-  EditMark mark;
-  std::vector<std::uint32_t> bricks;
-  std::vector<std::string_view> values;  // of each: as many bytes as one density has, or a brick
+  CheckpointHead head;
+  KeptBricks bricks;
 };
 
-std::string_view bytesOf(std::span<const float> values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
-}
-
-std::optional<EditMark> markIn(ByteReader& in) {
+std::optional<CheckpointHead> headIn(ByteReader& in) {
   std::uint32_t version = 0;
-  EditMark mark;
+  CheckpointHead head;
   if (in.getRaw(kMagic.size()) != kMagic) return std::nullopt;
   in.get(version);
-  in.get(mark.edits);
-  in.get(mark.hash);
-  return in.good() && version == kVersion ? std::optional(mark) : std::nullopt;
+  in.get(head.mark.edits);
+  in.get(head.mark.hash);
+  in.get(head.journal);
+  in.get(head.sequence);
+  return in.good() && version == kVersion ? std::optional(head) : std::nullopt;
 }
 
 // Everything is checked before anything is used. Empty: it is no checkpoint, or a damaged one.
@@ -64,35 +59,28 @@ std::optional<Content> contentOf(std::string_view bytes) {
   bytes.remove_suffix(sizeof checksum);
   if (crc32c(bytes) != checksum) return std::nullopt;
   ByteReader in(bytes);
-  const std::optional<EditMark> mark = markIn(in);
-  if (!mark) return std::nullopt;
-  Content content{*mark, {}, {}};
+  const std::optional<CheckpointHead> head = headIn(in);
+  if (!head) return std::nullopt;
+  Content content{*head, {}};
   in.get(count);
-  for (std::uint32_t i = 0; i < count && in.good(); ++i) {
-    std::uint32_t brick = 0, values = 0;
-    in.get(brick);
-    in.get(values);
-    if (values != 1 && values != kBrickVoxels) return std::nullopt;
-    if (i > 0 && brick <= content.bricks.back()) return std::nullopt;
-    content.bricks.push_back(brick);
-    content.values.push_back(in.getRaw(values * sizeof(float)));
-  }
-  return in.atEnd() ? std::optional(std::move(content)) : std::nullopt;
+  return getBricks(in, count, content.bricks) && in.atEnd() ? std::optional(std::move(content)) : std::nullopt;
 }
 
+using Heads = std::array<std::optional<CheckpointHead>, kCheckpoints>;
+
 // What the files say that they are.
-CheckpointMarks marksIn(const fs::path& folder) {
-  CheckpointMarks marks;
-  for (std::size_t i = 0; i < marks.size(); ++i) {
+Heads headsIn(const fs::path& folder) {
+  Heads heads;
+  for (std::size_t i = 0; i < heads.size(); ++i) {
     std::error_code ignored;
     if (!fs::is_regular_file(checkpointFile(folder, i), ignored)) continue;
     std::ifstream file(checkpointFile(folder, i), std::ios::binary);
     std::string head(kHeadBytes, '\0');
     file.read(head.data(), static_cast<std::streamsize>(head.size()));
     ByteReader in(std::string_view(head).substr(0, static_cast<std::size_t>(file.gcount())));
-    marks[i] = markIn(in);
+    heads[i] = headIn(in);
   }
-  return marks;
+  return heads;
 }
 
 // Empty: it cannot be read, or not into memory.
@@ -104,19 +92,27 @@ std::string bytesOf(const fs::path& file) {
   }
 }
 
-bool isReached(const EditMark& mark, const JournalHeader& header, std::span<const LastingEdit> edits) {
-  if (mark.edits > edits.size()) return false;
-  EditTrail trail(header);
-  for (const LastingEdit& edit : edits.first(mark.edits)) {
+bool isReached(const EditMark& mark, const EditMark& start, std::span<const LastingEdit> edits) {
+  if (mark.edits < start.edits || mark.edits - start.edits > edits.size()) return false;
+  EditTrail trail(start);
+  for (const LastingEdit& edit : edits.first(mark.edits - start.edits)) {
     trail.edit(edit.commands, false);
     trail.forgetAllBut(0);
   }
   return trail.mark() == mark;
 }
 
+// Puts the file into the volume if it is whole, fits, and is what its head said. Returns the bricks.
+std::optional<std::vector<std::uint32_t>> put(const fs::path& file, const CheckpointHead& head, Volume& volume) {
+  std::optional<Content> content = contentOf(bytesOf(file));
+  if (!content || content->head.mark != head.mark || !fit(content->bricks, volume)) return std::nullopt;
+  putBricks(content->bricks, volume);
+  return std::move(content->bricks.bricks);
+}
+
 }  // namespace
 
-void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& volume,
+void writeCheckpoint(const fs::path& file, const CheckpointHead& head, const Volume& volume,
                      std::span<const std::uint32_t> bricks) {
   AtomicFile target(file, Rights::kPrivate);
   std::uint32_t checksum = 0;
@@ -124,22 +120,19 @@ void writeCheckpoint(const fs::path& file, const EditMark& mark, const Volume& v
     checksum = crc32c(out.bytes(), checksum);
     target.write(out.bytes());
   };
-  ByteWriter head;
-  head.addRaw(kMagic);
-  head.add(kVersion);
-  head.add(mark.edits);
-  head.add(mark.hash);
-  head.add(static_cast<std::uint32_t>(bricks.size()));
-  write(head);
+  ByteWriter begin;
+  begin.addRaw(kMagic);
+  begin.add(kVersion);
+  begin.add(head.mark.edits);
+  begin.add(head.mark.hash);
+  begin.add(head.journal);
+  begin.add(head.sequence);
+  begin.add(static_cast<std::uint32_t>(bricks.size()));
+  write(begin);
   const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
-  std::array<float, kBrickVoxels> values{};
   for (const std::uint32_t brick : bricks) {
-    const bool is_constant = volume.readBrick(grid.brick(brick), values.data()) || holdOneValue(values);
-    const std::span<const float> kept = std::span(values).first(is_constant ? 1 : kBrickVoxels);
     ByteWriter out;
-    out.add(brick);
-    out.add(static_cast<std::uint32_t>(kept.size()));
-    out.addRaw(bytesOf(kept));
+    addBrick(out, volume, grid, brick);
     write(out);
   }
   ByteWriter end;
@@ -163,36 +156,39 @@ void checkRoomFor(const fs::path& folder, std::size_t bricks) {
               "make room");
 }
 
-Headstart putCheckpoint(const fs::path& folder, const JournalHeader& header, std::span<const LastingEdit> edits,
+Headstart putCheckpoint(const fs::path& folder, const EditMark& start, std::span<const LastingEdit> edits,
                         Volume& volume) {
-  const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
-  Headstart start{.edits = 0, .bricks = {}, .good = marksIn(folder)};
-  CheckpointMarks& marks = start.good;
-  for (std::optional<EditMark>& mark : marks) {
-    if (mark && !isReached(*mark, header, edits)) mark.reset();
-  }
+  Heads heads = headsIn(folder);
+  Headstart held{.edits = start.edits, .bricks = {}, .good = {}};
   std::array<std::size_t, kCheckpoints> order{0, 1};
-  std::ranges::sort(order, {}, [&](std::size_t i) { return marks[i] ? marks[i]->edits : 0; });
-  for (const std::size_t number : order) {
-    if (!marks[number]) continue;
-    const std::string bytes = bytesOf(checkpointFile(folder, number));
-    std::optional<Content> content = contentOf(bytes);
-    if (!content || content->mark != *marks[number] ||
-        (!content->bricks.empty() && content->bricks.back() >= grid.brickCount())) {
-      marks[number].reset();
-      continue;
-    }
-    for (std::size_t i = 0; i < content->bricks.size(); ++i) {
-      std::array<float, kBrickVoxels> values{};
-      const std::string_view from = content->values[i];
-      std::memcpy(values.data(), from.data(), from.size());
-      putBrick(volume, grid.brick(content->bricks[i]), std::span(values).first(from.size() / sizeof(float)));
-    }
-    start.edits = content->mark.edits;
-    start.bricks = std::move(content->bricks);
-    return start;
+  for (const std::size_t i : order) {
+    if (heads[i] && isReached(heads[i]->mark, start, edits)) held.good[i] = heads[i]->mark;
   }
-  return start;
+  std::ranges::sort(order, {}, [&](std::size_t i) { return held.good[i] ? held.good[i]->edits : 0; });
+  for (const std::size_t number : order) {
+    if (!held.good[number]) continue;
+    if (auto bricks = put(checkpointFile(folder, number), *heads[number], volume)) {
+      held.edits = held.good[number]->edits;
+      held.bricks = std::move(*bricks);
+      return held;
+    }
+    held.good[number].reset();
+  }
+  return held;
+}
+
+std::optional<BeyondDamage> putCheckpointBeyond(const fs::path& folder, const JournalHeader& header,
+                                                std::uint64_t sequence, Volume& volume) {
+  if (header.id == 0) return std::nullopt;
+  const Heads heads = headsIn(folder);
+  std::array<std::size_t, kCheckpoints> order{0, 1};
+  std::ranges::sort(order, std::greater<>(), [&](std::size_t i) { return heads[i] ? heads[i]->sequence : 0; });
+  for (const std::size_t number : order) {
+    if (!heads[number] || heads[number]->journal != header.id || heads[number]->sequence <= sequence) continue;
+    if (auto bricks = put(checkpointFile(folder, number), *heads[number], volume))
+      return BeyondDamage{*heads[number], std::move(*bricks)};
+  }
+  return std::nullopt;
 }
 
 void removeCheckpoints(const fs::path& folder) noexcept {

@@ -10,6 +10,7 @@ namespace palpate {
 EditTrail::EditTrail(const JournalHeader& header) {
   JournalHeader nameless = header;
   nameless.volume.source.clear();
+  nameless.id = 0;
   marks_.push_back({0, bytesHash(headerBytes(nameless))});
 }
 

@@ -4,8 +4,8 @@
 //
 // A state's name is the number of edits in effect and a hash of the volume at the start and of these edits, in their
 // order. It depends neither on what was undone in between nor on how a journal numbers its records and stamps. So a
-// copy stays good when the edits in effect are written to another journal. Thread: one. Cost of an edit: its encoding,
-// about 1 us, and of a stamp a pass over its distances.
+// copy stays good when the edits in effect are written to another journal.
+// Thread: one. Cost of an edit: its encoding, about 1 us, and of a stamp a pass over its distances.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +18,12 @@
 
 namespace palpate {
 
-struct EditMark {
-  std::uint64_t edits = 0;  // in effect
-  std::uint64_t hash = 0;
-  bool operator==(const EditMark&) const = default;
-};
-
 class EditTrail {
  public:
   // Of a volume and a profile, whatever the volume's file is called.
   explicit EditTrail(const JournalHeader& header);
+  // Of a volume as other edits have made it.
+  explicit EditTrail(const EditMark& start) { marks_.push_back(start); }
 
   // `goes_on`: it is undone together with the one before (EditHistory). An edit without memory for its mark ends the
   // trail: mark() is empty from then on.

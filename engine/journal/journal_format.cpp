@@ -15,6 +15,7 @@ namespace {
 
 static_assert(sizeof(std::uint32_t) + kMaxCommands * kLongestCommand <= kLongestRecord);
 
+constexpr std::uint32_t kFirstVersionWithId = 4;
 constexpr std::uint8_t kHasObject = 1;
 constexpr std::uint8_t kHasMaterial = 2;
 
@@ -103,6 +104,7 @@ bool getCommand(ByteReader& in, EditCommand& c, std::span<const std::shared_ptr<
 std::string headerBytes(const JournalHeader& header) {
   ByteWriter content;
   forEachMember(header, into(content));
+  content.add(header.id);
   ByteWriter out;
   out.addRaw(kJournalMagic);
   out.add(kJournalVersion);
@@ -133,6 +135,8 @@ std::size_t readHeader(std::string_view bytes, const std::string& input, Journal
   const bool sound = in.good() && crc32c(bytes.substr(0, checked)) == checksum;
   ByteReader content(text);
   forEachMember(header, from(content));
+  header.id = 0;
+  if (version >= kFirstVersionWithId) content.get(header.id);
   if (!sound || !content.atEnd()) {
     throw Error(Error::Code::kBadInput, input, "its header is damaged, so it cannot be said which volume it belongs to",
                 "bring the file back from a copy");
@@ -194,6 +198,31 @@ std::shared_ptr<const Stamp> stampOf(std::string_view content) {
   stamp->distance_m.resize(distances.size() / sizeof(float));
   std::memcpy(stamp->distance_m.data(), distances.data(), distances.size());
   return stamp;
+}
+
+std::string bricksContent(const EditMark& mark, bool is_last, const Volume& volume,
+                          std::span<const std::uint32_t> bricks) {
+  ByteWriter out;
+  out.add(mark.edits);
+  out.add(mark.hash);
+  out.add(static_cast<std::uint32_t>(is_last ? 1 : 0));
+  out.add(static_cast<std::uint32_t>(bricks.size()));
+  const BrickGrid grid{volume.size(), volume.lattice().spacing_m};
+  for (const std::uint32_t brick : bricks) addBrick(out, volume, grid, brick);
+  return out.bytes();
+}
+
+std::optional<BricksRecord> bricksOf(std::string_view content, KeptBricks& bricks) {
+  ByteReader in(content);
+  BricksRecord record;
+  std::uint32_t is_last = 0, count = 0;
+  in.get(record.mark.edits);
+  in.get(record.mark.hash);
+  in.get(is_last);
+  in.get(count);
+  if (!in.good() || is_last > 1 || !getBricks(in, count, bricks) || !in.atEnd()) return std::nullopt;
+  record.is_last = is_last == 1;
+  return record;
 }
 
 }  // namespace palpate

@@ -14,13 +14,14 @@
 
 #include "engine/edit/brush_profile.hpp"
 #include "engine/edit/edit_command.hpp"
+#include "engine/journal/kept_bricks.hpp"
 #include "engine/journal/volume_identity.hpp"
 
 namespace palpate {
 
 inline constexpr std::string_view kJournalMagic = "PALPJRNL";
-inline constexpr std::uint32_t kJournalVersion = 3;
-inline constexpr std::uint32_t kOldestJournalVersion = 2;       // that is read, too: it has no kEditOn
+inline constexpr std::uint32_t kJournalVersion = 4;
+inline constexpr std::uint32_t kOldestJournalVersion = 2;       // that is read, too
 inline constexpr const char* kJournalName = "journal.palpate";  // in the journal's folder
 [[nodiscard]] inline std::filesystem::path journalFile(const std::filesystem::path& folder) {
   return folder / kJournalName;
@@ -29,6 +30,14 @@ inline constexpr const char* kJournalName = "journal.palpate";  // in the journa
 struct JournalHeader {
   VolumeIdentity volume;  // before the first edit
   BrushProfile profile;   // the density profile of every edit (engine/edit/lower_edit.hpp)
+  std::uint64_t id = 0;   // of this journal alone, so that a checkpoint can say whose it is; 0: of an older version
+};
+
+// Names a state of a session's volume, as EditTrail makes it.
+struct EditMark {
+  std::uint64_t edits = 0;  // in effect
+  std::uint64_t hash = 0;
+  bool operator==(const EditMark&) const = default;
 };
 
 enum class RecordKind : std::uint32_t {
@@ -37,6 +46,7 @@ enum class RecordKind : std::uint32_t {
   kRedo = 3,    // redoes the edit that was undone last
   kStamp = 4,   // a mesh, which later commands name by its number
   kEditOn = 5,  // as kEdit, of a person's stroke that goes on: undone together with the edit before it
+  kBricks = 6,  // what edits before this journal have made of the volume; only at its beginning, one or several
 };
 
 inline constexpr std::size_t kRecordHead = 16;                // length, kind, sequence number [byte]
@@ -54,12 +64,22 @@ inline constexpr std::size_t kLongestCommand = 154;  // [byte]
 [[nodiscard]] std::string editContent(std::span<const EditCommand> commands,
                                       std::span<const std::uint32_t> stamp_numbers);
 [[nodiscard]] std::string stampContent(const Stamp& stamp);
+// Of bricks of `volume`; `is_last`: of those that the journal begins with.
+[[nodiscard]] std::string bricksContent(const EditMark& mark, bool is_last, const Volume& volume,
+                                        std::span<const std::uint32_t> bricks);
 
 // These decode a record's content. The result is empty or null if the content is malformed. `stamps`: those read so
 // far, number 1 first.
 [[nodiscard]] std::optional<std::vector<EditCommand>> editOf(std::string_view content,
                                                              std::span<const std::shared_ptr<const Stamp>> stamps);
 [[nodiscard]] std::shared_ptr<const Stamp> stampOf(std::string_view content);
+
+struct BricksRecord {
+  EditMark mark;
+  bool is_last = false;
+};
+// The bricks go to those that are there.
+[[nodiscard]] std::optional<BricksRecord> bricksOf(std::string_view content, KeptBricks& bricks);
 
 // Decodes the header at the front of a journal's bytes. Returns the header's length [byte]. Throws Error(kBadInput),
 // naming `input`, if the bytes are no journal, are a journal of another version, or have a damaged header.

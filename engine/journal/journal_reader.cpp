@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/journal_reader.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 
@@ -49,12 +50,14 @@ class Reading {
       const Frame frame = frameAt(bytes_.substr(at));
       const std::string fault = take(frame, journal);
       if (!fault.empty()) {
-        journal.damage = damageAt(at, fmt::format("record {} {}", journal.last_sequence + 1, fault));
+        journal.damage = damageAt(at, journal.last_sequence, fault);
         return;
       }
       journal.last_sequence = frame.sequence;
       at += frame.bytes;
     }
+    if (journal.base && !journal.base->is_whole)
+      journal.damage = damageAt(at, journal.last_sequence, "is missing, and the journal begins with it");
   }
 
  private:
@@ -62,55 +65,123 @@ class Reading {
   std::string take(const Frame& frame, Journal& journal) {
     if (frame.bytes == 0) return "is cut short";
     if (!frame.sound) return "has a wrong checksum";
-    if (frame.sequence != journal.last_sequence + 1) return fmt::format("is missing: {} follows", frame.sequence);
-    JournalRecord record{static_cast<RecordKind>(frame.kind), frame.sequence, {}};
-    switch (record.kind) {
-      case RecordKind::kStamp: {
-        auto stamp = stampOf(frame.content);
-        if (!stamp) return "holds no stamp";
-        stamps_.push_back(std::move(stamp));
-        return "";
-      }
-      case RecordKind::kEditOn:
-        if (done_ == 0) return "goes on with what was not done";
-        [[fallthrough]];
-      case RecordKind::kEdit: {
-        auto commands = editOf(frame.content, stamps_);
-        if (!commands) return "holds no commands";
-        record.commands = std::move(*commands);
-        ++done_;
-        undone_ = 0;
-        break;
-      }
-      case RecordKind::kUndo:
-        if (!frame.content.empty()) return "holds more than an undo has";
-        if (done_ == 0) return "undoes what was not done";
-        --done_;
-        ++undone_;
-        break;
-      case RecordKind::kRedo:
-        if (!frame.content.empty()) return "holds more than a redo has";
-        if (undone_ == 0) return "does again what was not undone";
-        ++done_;
-        --undone_;
-        break;
-      default:
-        return fmt::format("is of a kind {} that is not known", frame.kind);
+    const auto kind = static_cast<RecordKind>(frame.kind);
+    const bool is_first = journal.last_sequence == 0;
+    if (kind == RecordKind::kBricks && is_first) journal.base.emplace();
+    // A journal that begins with bricks goes on with the numbers of the one before.
+    if (frame.sequence != journal.last_sequence + 1 && !(journal.base && is_first && frame.sequence > 0))
+      return fmt::format("is missing: {} follows", frame.sequence);
+    if (journal.base && !journal.base->is_whole) return takeBase(kind, frame, *journal.base);
+    if (kind == RecordKind::kStamp) {
+      auto stamp = stampOf(frame.content);
+      if (!stamp) return "holds no stamp";
+      stamps_.push_back(std::move(stamp));
+      return "";
     }
-    journal.records.push_back(std::move(record));
+    if (kind == RecordKind::kEditOn && done_ == 0) return "goes on with what was not done";
+    JournalRecord record;
+    std::string fault = decode(frame, record);
+    if (fault.empty()) fault = follow(record.kind);
+    if (fault.empty()) journal.records.push_back(std::move(record));
+    return fault;
+  }
+
+  std::string takeBase(RecordKind kind, const Frame& frame, JournalBase& base) {
+    if (kind != RecordKind::kBricks) return "is missing, and the journal begins with it";
+    const auto bricks = bricksOf(frame.content, base.bricks);
+    if (!bricks) return "holds no bricks";
+    if (base.sequence > 0 && bricks->mark != base.mark) return "holds bricks of other edits";
+    base.mark = bricks->mark;
+    base.sequence = frame.sequence;
+    base.is_whole = bricks->is_last;
     return "";
   }
 
-  [[nodiscard]] JournalDamage damageAt(std::size_t at, std::string reason) const {
-    JournalDamage damage{at, bytes_.size() - at, 0, std::move(reason)};
+  // What a sound frame holds. Returns what is wrong with it, or nothing.
+  [[nodiscard]] std::string decode(const Frame& frame, JournalRecord& record) const {
+    record = {static_cast<RecordKind>(frame.kind), frame.sequence, {}};
+    switch (record.kind) {
+      case RecordKind::kEdit:
+      case RecordKind::kEditOn: {
+        auto commands = editOf(frame.content, stamps_);
+        if (!commands) return "holds no commands";
+        record.commands = std::move(*commands);
+        return "";
+      }
+      case RecordKind::kUndo:
+        return frame.content.empty() ? "" : "holds more than an undo has";
+      case RecordKind::kRedo:
+        return frame.content.empty() ? "" : "holds more than a redo has";
+      default:
+        return fmt::format("is of a kind {} that is not known", frame.kind);
+    }
+  }
+
+  // Whether the record can follow those before it.
+  std::string follow(RecordKind kind) {
+    switch (kind) {
+      case RecordKind::kUndo:
+        if (done_ == 0) return "undoes what was not done";
+        --done_;
+        ++undone_;
+        return "";
+      case RecordKind::kRedo:
+        if (undone_ == 0) return "does again what was not undone";
+        ++done_;
+        --undone_;
+        return "";
+      default:
+        ++done_;
+        undone_ = 0;
+        return "";
+    }
+  }
+
+  // Walks from frame to frame. Where the length of one is damaged, the next that is sound is looked for.
+  [[nodiscard]] JournalDamage damageAt(std::size_t at, std::uint64_t last_sequence, const std::string& fault) const {
+    JournalDamage damage{at, bytes_.size() - at, 0, fmt::format("record {} {}", last_sequence + 1, fault)};
+    damage.is_torn_end = at < bytes_.size() && frameAt(bytes_.substr(at)).bytes == 0;
+    damage.last_sequence = last_sequence;
     while (at < bytes_.size()) {
-      ++damage.records;
       const Frame frame = frameAt(bytes_.substr(at));
-      if (frame.bytes == 0) break;
+      ++damage.records;
+      ++damage.last_sequence;
+      if (!frame.sound) {
+        at = behindDamage(at, frame, damage.last_sequence);
+        continue;
+      }
+      damage.is_torn_end = false;
+      damage.last_sequence = std::max(damage.last_sequence, frame.sequence);
+      JournalRecord record;
+      if (decode(frame, record).empty() && std::ranges::none_of(record.commands, usesStamp))
+        damage.later.push_back(std::move(record));
       at += frame.bytes;
     }
     return damage;
   }
+
+  [[nodiscard]] std::size_t behindDamage(std::size_t at, const Frame& frame, std::uint64_t number) const {
+    const std::size_t next = at + frame.bytes;
+    if (frame.bytes > 0 && (next == bytes_.size() || frameAt(bytes_.substr(next)).sound)) return next;
+    const std::uint64_t most = number + (bytes_.size() - at) / kRecordFrame;
+    for (std::size_t place = at + 1; place + kRecordFrame <= bytes_.size(); ++place) {
+      if (isNumbered(bytes_.substr(place), number, most) && frameAt(bytes_.substr(place)).sound) return place;
+    }
+    return frame.bytes > 0 ? next : bytes_.size();
+  }
+
+  // Whether a head there has a number in this range, which saves most checksums.
+  [[nodiscard]] static bool isNumbered(std::string_view bytes, std::uint64_t from, std::uint64_t to) {
+    ByteReader in(bytes);
+    std::uint32_t length = 0, kind = 0;
+    std::uint64_t sequence = 0;
+    in.get(length);
+    in.get(kind);
+    in.get(sequence);
+    return sequence >= from && sequence <= to && length <= bytes.size() - kRecordFrame;
+  }
+
+  static bool usesStamp(const EditCommand& command) { return isStamp(command.kind); }
 
   std::string_view bytes_;
   std::vector<std::shared_ptr<const Stamp>> stamps_;

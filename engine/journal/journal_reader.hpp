@@ -14,22 +14,38 @@
 namespace palpate {
 
 struct JournalRecord {
-  RecordKind kind = RecordKind::kEdit;  // never kStamp: commands hold their stamps
+  RecordKind kind = RecordKind::kEdit;  // an edit, undo or redo: commands hold their stamps
   std::uint64_t sequence = 0;
   std::vector<EditCommand> commands;  // of a kEdit or kEditOn record, which has some; else none
 };
 
-// The part of a journal that cannot be used: the first damaged record and everything behind it. A later record may be
-// sound, but without the edits before it, it would lead to a different volume.
+// The part of a journal that cannot be used by itself: the first damaged record and everything behind it. A later
+// record may be sound, but without the edits before it, it would lead to a different volume.
 struct JournalDamage {
-  std::uint64_t first_byte = 0;  // offset in the file [byte]
-  std::uint64_t bytes = 0;       // from there to the end of the file
-  std::uint64_t records = 0;     // records recognised there, the damaged one included
-  std::string reason;            // "record 7 is cut short"
+  std::uint64_t first_byte = 0;     // offset in the file [byte]
+  std::uint64_t bytes = 0;          // from there to the end of the file
+  std::uint64_t records = 0;        // records recognised there, the damaged one included
+  std::string reason;               // "record 7 is cut short"
+  std::uint64_t last_sequence = 0;  // the highest number that a record there has, or must have
+  // The record is the last, and its end is missing: so a session that is killed while it writes leaves it, and nobody
+  // was told that it is saved.
+  bool is_torn_end = false;
+  // Sound records behind the damage, in order, but for those that use a stamp. A volume that a checkpoint has from
+  // beyond the damage may go on with them.
+  std::vector<JournalRecord> later = {};
+};
+
+// The volume that the journal begins with, where that is another one than the header's: as earlier edits made it.
+struct JournalBase {
+  EditMark mark;
+  KeptBricks bricks;
+  std::uint64_t sequence = 0;  // of its last record
+  bool is_whole = false;       // if not, nothing of the journal is of use by itself
 };
 
 struct Journal {
   JournalHeader header;
+  std::optional<JournalBase> base;
   std::vector<JournalRecord> records;  // in order
   std::uint64_t last_sequence = 0;     // of the last sound record, stamp records included; 0: none
   std::optional<JournalDamage> damage;

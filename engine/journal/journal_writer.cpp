@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/journal_writer.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -23,9 +24,25 @@ namespace fs = std::filesystem;
               "make room or choose another folder with --journal");
 }
 
+// Writes the records and counts them and their bytes. A failure: as an errno value.
+int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint64_t& sequence, std::uint64_t& bytes) {
+  constexpr std::size_t kBricksInARecord = std::size_t{1} << 14U;  // 32 MiB
+  std::span<const std::uint32_t> rest = beginning.bricks;
+  do {
+    const auto piece = rest.first(std::min(rest.size(), kBricksInARecord));
+    rest = rest.subspan(piece.size());
+    const std::string record = recordBytes(RecordKind::kBricks, ++sequence,
+                                           bricksContent(beginning.mark, rest.empty(), *beginning.volume, piece));
+    bytes += record.size();
+    if (const int failed = writeAll(descriptor, record); failed != 0) return failed;
+  } while (!rest.empty());
+  return 0;
+}
+
 }  // namespace
 
-JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header, JournalOptions options)
+JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header, JournalOptions options,
+                             const std::optional<JournalBeginning>& beginning)
     : file_(journalFile(folder)), options_(std::move(options)) {
   if (const int unmade = makeFolder(folder, Rights::kPrivate); unmade != 0) refuseFile(folder, unmade);
   const std::string bytes = headerBytes(header);
@@ -34,6 +51,8 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
   if (draft.descriptor < 0) refuseFile(file_, draft.error);
   descriptor_ = draft.descriptor;
   int failed = writeAll(descriptor_, bytes);
+  std::uint64_t length = bytes.size();
+  if (failed == 0 && beginning) failed = writeBeginning(descriptor_, *beginning, sequence_, length);
   if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
   if (failed == 0) {
     leftover_ = Leftover::file([&] {
@@ -55,7 +74,10 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
     unlink(file_.c_str());
     refuseFile(folder, unflushed);
   }
-  bytes_ = bytes.size();
+  bytes_ = length;
+  if (beginning) leftover_.release();  // it is worth keeping without a record
+  acknowledged_ = sequence_;
+  queued_ = on_disk_ = {sequence_, beginning ? beginning->mark.edits : 0};
   thread_ = std::thread([this] { work(); });
 }
 

@@ -21,6 +21,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <thread>
@@ -38,12 +39,20 @@ struct JournalOptions {
   std::function<void(std::uint64_t)> on_acknowledged;  // gets the newest record's number, in the journal's thread
 };
 
+// The volume with which a journal begins, if that is another one than its header's: as earlier edits have made it.
+struct JournalBeginning {
+  EditMark mark;                          // of these edits
+  const Volume* volume = nullptr;         // read in the constructor alone
+  std::span<const std::uint32_t> bricks;  // that they may have changed, ascending
+};
+
 class JournalWriter {
  public:
   // Makes a journal in `folder`, and the folder if it does not exist. On return the header is on disk, with the folder
-  // entries that lead to it. Throws Error: kBadInput if the folder holds a journal already, kIo if the journal cannot
-  // be made.
-  JournalWriter(const std::filesystem::path& folder, const JournalHeader& header, JournalOptions options = {});
+  // entries that lead to it, and with the records of the beginning, if there is one. Throws Error: kBadInput if the
+  // folder holds a journal already, kIo if the journal cannot be made.
+  JournalWriter(const std::filesystem::path& folder, const JournalHeader& header, JournalOptions options = {},
+                const std::optional<JournalBeginning>& beginning = {});
   ~JournalWriter();  // as close()
   JournalWriter(const JournalWriter&) = delete;
   JournalWriter& operator=(const JournalWriter&) = delete;

@@ -31,14 +31,18 @@ void checkStart(const Journal& journal, const Volume& volume, const std::string&
               "give that volume with --volume (the journal names " + journal.header.volume.source + ")");
 }
 
-void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each) {
-  checkStart(journal, volume, volume.facts().source);
-  const std::vector<LastingEdit> edits = lastingEdits(journal);
+void makeEdits(std::span<const LastingEdit> edits, const BrushProfile& profile, Volume& volume,
+               const std::function<void(double)>& before_each) {
   for (std::size_t i = 0; i < edits.size(); ++i) {
     if (before_each) before_each(static_cast<double>(i) / static_cast<double>(edits.size()));
-    reference::applyEdits(volume,
-                          lowerEdits(edits[i].commands, volume.size(), volume.lattice(), journal.header.profile));
+    reference::applyEdits(volume, lowerEdits(edits[i].commands, volume.size(), volume.lattice(), profile));
   }
+}
+
+void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each) {
+  checkStart(journal, volume, volume.facts().source);
+  if (journal.base) putBricks(journal.base->bricks, volume);
+  makeEdits(lastingEdits(journal), journal.header.profile, volume, before_each);
 }
 
 }  // namespace palpate

@@ -5,6 +5,9 @@
 #pragma once
 
 #include <functional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "engine/journal/journal_reader.hpp"
 
@@ -21,9 +24,12 @@ struct LastingEdit {
 // Throws Error(kBadInput) unless `volume` is the one that the journal began with; `input` names it in the message.
 void checkStart(const Journal& journal, const Volume& volume, const std::string& input);
 
-// Applies lastingEdits() to `volume`, the one that the journal began with. Throws as checkStart() does, with the
-// volume's name as `input`. `before_each` is called before each edit with the fraction done, [0, 1). It may throw to
-// cancel.
+// Applies the edits to `volume`. `before_each` is called before each edit with the fraction done, [0, 1). It may throw
+// to cancel.
+void makeEdits(std::span<const LastingEdit> edits, const BrushProfile& profile, Volume& volume,
+               const std::function<void(double)>& before_each = {});
+// All that a whole journal says, to the volume that it began with. Throws as checkStart() does, with the volume's name
+// as `input`.
 void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each = {});
 
 }  // namespace palpate

@@ -21,18 +21,21 @@ constexpr double kShareForWriting = 1. / 20;
 CheckpointKeeper::CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
                                    std::function<void(const std::string&)> told, double edits_between_s)
     : folder_(std::move(folder)),
+      journal_(header.id),
       trail_(header),
       is_changed_(brick_count),
       told_(std::move(told)),
       edits_between_s_(edits_between_s) {}
 
-void CheckpointKeeper::begin(std::span<const LastingEdit> edits, const Headstart& held) {
+void CheckpointKeeper::begin(const EditMark& start, std::span<const LastingEdit> edits, const Headstart& held) {
+  trail_ = EditTrail(start);
   for (const LastingEdit& edit : edits) {
     trail_.edit(edit.commands, false);
     trail_.forgetAllBut(0);
   }
   note(held.bricks);
   marks_ = held.good;
+  is_others_ = journal_ != 0 && !held.bricks.empty();
 }
 
 void CheckpointKeeper::edited(std::span<const EditCommand> commands, bool goes_on, double seconds,
@@ -65,7 +68,7 @@ bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
     if (attempt_.failed) marks_[attempt_.place].reset();
     not_before_ns_ = attempt_.began_ns + std::llround(attempt_.seconds / kShareForWriting * kNanosecondsPerSecond);
   }
-  return edits_s_ >= edits_between_s_ && edits_s_ > 0 && now_ns >= not_before_ns_ && trail_.mark();
+  return (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0 && now_ns >= not_before_ns_ && trail_.mark();
 }
 
 // The newest stays, and the one before goes.
@@ -76,16 +79,19 @@ std::size_t CheckpointKeeper::placeForNext() const noexcept {
   return marks_[0]->edits < marks_[1]->edits ? 0 : 1;
 }
 
-std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns) {
+std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns, std::uint64_t sequence) {
   const std::size_t place = placeForNext();
   const EditMark mark = *trail_.mark();
   marks_[place] = mark;
   attempt_ = {.place = place, .began_ns = now_ns, .is_new = true};
   edits_s_ = 0;
-  return [this, mark, place](const Volume& volume) { write(volume, mark, place); };
+  is_others_ = false;
+  return [this, head = CheckpointHead{mark, journal_, sequence}, place](const Volume& volume) {
+    write(volume, head, place);
+  };
 }
 
-void CheckpointKeeper::write(const Volume& volume, const EditMark& mark, std::size_t place) {
+void CheckpointKeeper::write(const Volume& volume, const CheckpointHead& head, std::size_t place) {
   const Stopwatch watch;
   try {
     std::vector<std::uint32_t> bricks;
@@ -93,7 +99,7 @@ void CheckpointKeeper::write(const Volume& volume, const EditMark& mark, std::si
       if (is_changed_[i]) bricks.push_back(static_cast<std::uint32_t>(i));
     }
     checkRoomFor(folder_, bricks.size());
-    writeCheckpoint(checkpointFile(folder_, place), mark, volume, bricks);
+    writeCheckpoint(checkpointFile(folder_, place), head, volume, bricks);
   } catch (const std::exception& error) {
     attempt_.failed = true;
     if (!std::exchange(was_told_, true))

@@ -31,8 +31,9 @@ class CheckpointKeeper {
   CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
                    std::function<void(const std::string&)> told, double edits_between_s = kEditsBetween_s);
 
-  // The edits that the volume holds already, as putCheckpoint() left it. Before all else.
-  void begin(std::span<const LastingEdit> edits, const Headstart& held);
+  // The edits that the volume holds already, as putCheckpoint() left it, from `start` on. Before all else. Files of the
+  // session before are written anew soon, since they do not say that they are of this session's journal.
+  void begin(const EditMark& start, std::span<const LastingEdit> edits, const Headstart& held);
 
   // Every change that was made, in order. `undoable`: EditHistory::done() after it.
   void edited(std::span<const EditCommand> commands, bool goes_on, double seconds, std::size_t undoable) noexcept;
@@ -42,22 +43,24 @@ class CheckpointKeeper {
   void note(std::span<const BrickContent> bricks) noexcept;
   void note(std::span<const std::uint32_t> bricks) noexcept;
 
-  // When the saver's volume holds every change: whether it is to be written, and what does that with it. The keeper
-  // outlives the saver.
+  // When the saver's volume holds every change: whether it is to be written, and what does that with it. `sequence`: of
+  // the journal's newest record. The keeper outlives the saver.
   [[nodiscard]] bool isDue(std::int64_t now_ns) noexcept;
-  [[nodiscard]] std::function<void(const Volume&)> writer(std::int64_t now_ns);
+  [[nodiscard]] std::function<void(const Volume&)> writer(std::int64_t now_ns, std::uint64_t sequence);
 
  private:
   [[nodiscard]] std::size_t placeForNext() const noexcept;
-  void write(const Volume& volume, const EditMark& mark, std::size_t place);
+  void write(const Volume& volume, const CheckpointHead& head, std::size_t place);
 
   std::filesystem::path folder_;
+  std::uint64_t journal_;  // JournalHeader::id
   EditTrail trail_;
   std::vector<bool> is_changed_;
   std::function<void(const std::string&)> told_;
   double edits_between_s_;
-  CheckpointMarks marks_;  // of the files; empty: it may be overwritten
-  double edits_s_ = 0;     // that the newest checkpoint lacks
+  CheckpointMarks marks_;   // of the files; empty: it may be overwritten
+  double edits_s_ = 0;      // that the newest checkpoint lacks
+  bool is_others_ = false;  // the newest checkpoint is of the journal before
   std::int64_t not_before_ns_ = std::numeric_limits<std::int64_t>::min();
   // Of the last one that was begun. The saver's thread writes them before it is ready again.
   struct Attempt {

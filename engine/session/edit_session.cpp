@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <random>
 #include <utility>
 
 #include "base/error.hpp"
@@ -34,17 +35,20 @@ EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<
   figures_.edits = edits_before;
 }
 
-void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume,
-                              JournalOptions options) {
-  journal_.emplace(folder, JournalHeader{volume, profile_}, std::move(options));
+void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options,
+                              const std::optional<JournalBeginning>& beginning) {
+  std::random_device random;
+  header_ = {volume, profile_, std::uint64_t{random()} << 32U | random() | 1};
+  journal_.emplace(folder, header_, std::move(options), beginning);
+  if (beginning) begun_with_ = beginning->mark;
 }
 
-void EditSession::keepCheckpoints(const std::filesystem::path& folder, const JournalHeader& header,
-                                  std::span<const LastingEdit> before, const Headstart& held,
-                                  std::function<void(const std::string&)> told, double edits_between_s) {
-  const BrickGrid grid{header.volume.size, header.volume.lattice.spacing_m};
-  checkpoints_.emplace(folder, header, grid.brickCount(), std::move(told), edits_between_s);
-  checkpoints_->begin(before, held);
+void EditSession::keepCheckpoints(const std::filesystem::path& folder, std::span<const LastingEdit> before,
+                                  const Headstart& held, std::function<void(const std::string&)> told,
+                                  double edits_between_s) {
+  const BrickGrid grid{header_.volume.size, header_.volume.lattice.spacing_m};
+  checkpoints_.emplace(folder, header_, grid.brickCount(), std::move(told), edits_between_s);
+  checkpoints_->begin(begun_with_.value_or(*EditTrail(header_).mark()), before, held);
   for (const LastingEdit& edit : before)
     journal_->edit(edit.commands, edit.goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
 }
@@ -200,7 +204,9 @@ void EditSession::handOver(std::size_t most, Then then, std::int64_t now_ns) {
       saver_->give(std::move(bricks), version);
     } else if (complete && checkpoints_ && checkpoints_->isDue(now_ns)) {
       saver_->give(std::move(bricks), version,
-                   [write = checkpoints_->writer(now_ns)](const Volume& volume, std::uint64_t) { write(volume); });
+                   [write = checkpoints_->writer(now_ns, journal_->appended())](const Volume& volume, std::uint64_t) {
+                     write(volume);
+                   });
     } else {
       saver_->give(std::move(bricks),
                    complete ? BackgroundSaver::Completes::kVersion : BackgroundSaver::Completes::kNothing);

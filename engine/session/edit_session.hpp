@@ -3,9 +3,9 @@
 // and into the journal, in the same order.
 //
 // A refused edit is in none of them. An applied edit is in the journal, unless the journal has ended; then the journal
-// says which edit was saved last. The volume itself is saved in the background (background_saver.hpp). Thread: the
-// engine's. Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's queue. The
-// append waits only if the queue is full.
+// says which edit was saved last. The volume itself is saved in the background (background_saver.hpp).
+// Thread: the engine's. Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's
+// queue. The append waits only if the queue is full.
 #pragma once
 
 #include <deque>
@@ -46,8 +46,10 @@ class EditSession {
   EditSession(Engine& engine, const BrushProfile& profile, std::span<const EditKind> kinds, std::size_t history_bytes,
               std::size_t edits_before = 0);
 
-  // Keeps a journal in `folder` from now on. Call it before the first edit. Throws as JournalWriter does.
-  void keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options = {});
+  // Keeps a journal in `folder` from now on. Call it before the first edit. `beginning`: of a volume that holds edits
+  // (`edits_before`) which the journal cannot have as records. Throws as JournalWriter does.
+  void keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options = {},
+                   const std::optional<JournalBeginning>& beginning = {});
 
   // Saves `volume`, the CPU's copy of the engine's volume as of the last read-back. It is saved every `every_s` seconds
   // if something changed (0: never), and in close(). Without a `write` it is never saved; the errands of ask() are
@@ -58,10 +60,9 @@ class EditSession {
   void keepAbreast();
   [[nodiscard]] bool keepsAbreast() const noexcept { return keeps_abreast_; }
   // Writes checkpoints into `folder`, in the saver's thread. After keepJournal() and keepAbreast(), before the first
-  // edit. `before`: the edits of `edits_before`, which go into the journal; `held`: what putCheckpoint() said of them.
-  // `told`: CheckpointKeeper.
-  void keepCheckpoints(const std::filesystem::path& folder, const JournalHeader& header,
-                       std::span<const LastingEdit> before, const Headstart& held,
+  // edit. `before`: the edits of `edits_before`, which go into the journal, unless that begins with what they made;
+  // `held`: what putCheckpoint() said of them. `told`: CheckpointKeeper.
+  void keepCheckpoints(const std::filesystem::path& folder, std::span<const LastingEdit> before, const Headstart& held,
                        std::function<void(const std::string&)> told,
                        double edits_between_s = CheckpointKeeper::kEditsBetween_s);
   // The engine may go, also if it has failed: then the volume of keepSaved() has every edit that was made. Waits for a
@@ -123,7 +124,9 @@ class EditSession {
   Engine* engine_;  // null: it has been left
   BrushProfile profile_;
   EditHistory history_;
+  JournalHeader header_;  // of the journal
   std::optional<JournalWriter> journal_;
+  std::optional<EditMark> begun_with_;           // the journal's beginning
   std::optional<CheckpointKeeper> checkpoints_;  // before the saver, which uses it
   std::optional<BackgroundSaver> saver_;
   // Most bricks that one feedSaver() copies: well under a millisecond, since the engine's thread must keep the window

@@ -2,11 +2,12 @@
 // Checkpoints. Almost every change breaks the checksum or the mark. So each input is read as it is, and again with a
 // sound beginning and end, so that only what is between is wrong. What is put into a volume must be there, and come
 // back from a checkpoint of that volume; what is refused must leave the volume alone.
+#include "engine/journal/checkpoint.hpp"
+
 #include <vector>
 
 #include "base/crc32c.hpp"
 #include "engine/journal/byte_stream.hpp"
-#include "engine/journal/checkpoint.hpp"
 #include "fuzz_target.hpp"
 #include "scratch_file.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 
 using namespace palpate;
 
-constexpr std::size_t kBeforeMark = 12, kHead = 28;
+constexpr std::size_t kBeforeMark = 12, kHead = 44;
 
 const fuzz::ScratchFile& checkpointScratch() {
   static const fuzz::ScratchFile kFile(checkpointFile("", 0).string());
@@ -38,9 +39,11 @@ std::string withSoundEnds(std::string_view bytes) {
   const EditMark mark = *EditTrail(plainHeader()).mark();
   ByteWriter sound;
   sound.addRaw("PALPCHKP");
-  sound.add(std::uint32_t{1});
+  sound.add(std::uint32_t{2});
   sound.add(mark.edits);
   sound.add(mark.hash);
+  sound.add(std::uint64_t{0});
+  sound.add(std::uint64_t{0});
   if (bytes.size() > kHead + 4) sound.addRaw(bytes.substr(kHead, bytes.size() - kHead - 4));
   ByteWriter end;
   end.add(crc32c(sound.bytes()));
@@ -49,7 +52,7 @@ std::string withSoundEnds(std::string_view bytes) {
 
 Headstart put(std::string_view bytes, Volume& volume) {
   checkpointScratch().write(bytes);
-  return putCheckpoint(checkpointScratch().folder(), plainHeader(), {}, volume);
+  return putCheckpoint(checkpointScratch().folder(), *EditTrail(plainHeader()).mark(), {}, volume);
 }
 
 bool check(const std::string& bytes) {
@@ -61,9 +64,9 @@ bool check(const std::string& bytes) {
     return false;
   }
   fuzz::require(bytes.size() > kBeforeMark && held.edits == 0, "it is of edits that were never made");
-  writeCheckpoint(checkpointScratch().path(), *held.good[0], volume, held.bricks);
+  writeCheckpoint(checkpointScratch().path(), {*held.good[0], 0, 0}, volume, held.bricks);
   Volume again = plainVolume();
-  const Headstart kept = putCheckpoint(checkpointScratch().folder(), plainHeader(), {}, again);
+  const Headstart kept = putCheckpoint(checkpointScratch().folder(), *EditTrail(plainHeader()).mark(), {}, again);
   fuzz::require(kept.good == held.good && kept.bricks == held.bricks && contentHash(again) == contentHash(volume),
                 "it comes back otherwise");
   return true;

@@ -67,8 +67,24 @@ std::string withSoundFrames(std::string_view bytes) {
 // no command uses are left out.
 std::string writtenAnew(const Journal& journal) {
   std::string bytes = headerBytes(journal.header);
+  if (journal.base && journal.base->is_whole) {
+    const KeptBricks& bricks = journal.base->bricks;
+    ByteWriter content;
+    content.add(journal.base->mark.edits);
+    content.add(journal.base->mark.hash);
+    content.add(std::uint32_t{1});
+    content.add(static_cast<std::uint32_t>(bricks.bricks.size()));
+    const float* next = bricks.densities.data();
+    for (std::size_t i = 0; i < bricks.bricks.size(); ++i) {
+      content.add(bricks.bricks[i]);
+      content.add(bricks.counts[i]);
+      content.addRaw({reinterpret_cast<const char*>(next), bricks.counts[i] * sizeof(float)});
+      next += bricks.counts[i];
+    }
+    bytes += recordBytes(RecordKind::kBricks, 1, content.bytes());
+  }
   std::map<const Stamp*, std::uint32_t> numbers;
-  std::uint64_t sequence = 0;
+  std::uint64_t sequence = journal.base ? 1 : 0;
   for (const JournalRecord& record : journal.records) {
     std::vector<std::uint32_t> used;
     for (const EditCommand& command : record.commands) {

@@ -237,9 +237,23 @@ TEST_F(LiveEdits, RecoverSaysWhatADamagedTailLost) {
   EXPECT_EQ(recovered.status, 4) << recovered.err;  // as that of a session whose journal lost records
   EXPECT_EQ(contentIn(recovered.out), contentOf(file("back.vdb")));
   ASSERT_EQ(errorLines(recovered.err).size(), 1U) << recovered.err;
-  EXPECT_THAT(errorLines(recovered.err)[0], HasSubstr("palpate: journal: it has lost 1 record in"));
-  EXPECT_THAT(recovered.out, HasSubstr("Lost      1 record in"));
+  EXPECT_THAT(errorLines(recovered.err)[0],
+              HasSubstr("palpate: journal/journal.palpate ends in a record that was being written"));
+  EXPECT_THAT(recovered.out,
+              HasSubstr("Lost      journal/journal.palpate ends in a record that was being written when"));
+  EXPECT_THAT(recovered.out, HasSubstr("1 record in"));
   EXPECT_THAT(recovered.out, HasSubstr("is cut short"));
+}
+
+// Of a service that was killed while it began: the journal of the one before still counts.
+TEST_F(LiveEdits, RecoverFindsTheJournalThatCounts) {
+  expectSuccess(run(touch(kDrill + Words{"--journal", "journal"})));
+  const Outcome before = run({"recover", "journal", "--out", "back.vdb"});
+  std::filesystem::create_directory(file("journal/earlier"));
+  std::filesystem::rename(journalFile(file("journal")), journalFile(file("journal/earlier")));
+  const Outcome moved = run({"recover", "journal", "--out", "again.vdb"});
+  expectSuccess(moved);
+  EXPECT_EQ(contentIn(moved.out), contentIn(before.out));
 }
 
 TEST_F(LiveEdits, RecoverRefusesWhatItCannotRecover) {

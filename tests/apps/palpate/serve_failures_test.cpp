@@ -9,7 +9,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/descriptor.hpp"
-#include "engine/journal/volume_identity.hpp"
+#include "engine/journal/journal_format.hpp"
 #include "served_sphere.hpp"
 #include "service/messages/message_channel.hpp"
 
@@ -67,6 +67,75 @@ class ServeFailures : public ServedSphere {
     return false;
   }
 };
+
+// Ten edits were answered, and the third is damaged: the service says what is missing wherever one may look, and keeps
+// the file.
+TEST_F(ServeFailures, SaysWhatAJournalHasLost) {
+  serve({kServedSphere, "--journal", "journal"});
+  ASSERT_TRUE(awaitService());
+  for (int n = 0; n < 10; ++n) expectSuccess(ctl({"edit", fmt::format("add:radius=2mm:at={},-12,-12mm", n - 12)}));
+  engine.end(SIGKILL);
+  const std::filesystem::path file_of_journal = journalFile(file("journal"));
+  std::string bytes = contentsOf(file_of_journal);
+  const std::string third = recordBytes(RecordKind::kEdit, 3, "").substr(4, 12);  // its kind and its number
+  const std::size_t at = bytes.find(third);
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 1);
+  std::ofstream(file_of_journal, std::ios::binary) << bytes;
+
+  const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
+  EXPECT_EQ(recovered.status, 4);
+  EXPECT_THAT(recovered.out, HasSubstr("is damaged: 8 records in"));
+  serve({kServedSphere, "--journal", "journal"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["lost_records"], 8);
+  EXPECT_EQ(status()["journal_failed"], 0);
+  EXPECT_EQ(status()["undoable"], 2);
+  const std::string log = contentsOf(file("serve.log"));
+  EXPECT_THAT(log, HasSubstr("is damaged: 8 records in"));
+  EXPECT_THAT(log, HasSubstr("kept as journal/journal-unread-1.palpate"));
+  EXPECT_THAT(run({"top", "--count", "1"}).out, HasSubstr("  -8  "));
+  EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);
+  expectSuccess(ctl({"save", "served.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("served.vdb").string())), contentHash(loadVolume(file("back.vdb").string())));
+  expectSuccess(ctl({"stop"}));
+  EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);
+}
+
+// 300 edits, a checkpoint of most of them, and damage near the journal's beginning: the checkpoint and what follows it
+// come back, again after another kill, and new edits with them.
+TEST_F(ServeFailures, GoesOnFromACheckpointBeyondTheDamage) {
+  serve({"phantom:sphere?size=96", "--journal", "journal"});
+  ASSERT_TRUE(awaitService());
+  std::vector<std::string> edits;
+  for (int n = 0; n < 300; ++n) edits.push_back(fmt::format("add:radius=6mm:at={},{},-30mm", n % 20 - 10, n / 20 - 8));
+  int made = 0;
+  const auto isThere = [&] { return std::filesystem::exists(file("journal/checkpoint-0.palpate")); };
+  for (; made < 300 && !(isThere() && made >= 40); made += 10)
+    for (int n = 0; n < 10; ++n) expectSuccess(ctl({"edit", edits[static_cast<std::size_t>(made + n)]}));
+  ASSERT_TRUE(isThere()) << "no checkpoint after " << made << " edits";
+  expectSuccess(ctl({"save", "before.vdb"}));
+  engine.end(SIGKILL);
+  const std::filesystem::path file_of_journal = journalFile(file("journal"));
+  std::string bytes = contentsOf(file_of_journal);
+  const std::size_t at = bytes.find(recordBytes(RecordKind::kEdit, 10, "").substr(4, 12));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 1);
+  std::ofstream(file_of_journal, std::ios::binary) << bytes;
+  const std::uint64_t content = contentHash(loadVolume(file("before.vdb").string()));
+  const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
+  EXPECT_THAT(recovered.out, HasSubstr("A checkpoint has the edits up to record"));
+  EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), content);
+  for (int start = 0; start < 2; ++start) {
+    serve({"phantom:sphere?size=96", "--journal", "journal"});
+    ASSERT_TRUE(awaitService());
+    EXPECT_EQ(status()["lost_records"], 0);
+    expectSuccess(ctl({"save", "after.vdb"}));
+    EXPECT_EQ(contentHash(loadVolume(file("after.vdb").string())), content) << start;
+    engine.end(SIGKILL);
+  }
+  EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);
+}
 
 // Killed in the middle of its work: what was answered comes back, and the servo, which lived on, takes up its contact.
 TEST_F(ServeFailures, AKilledEngineComesBackWithItsEdits) {

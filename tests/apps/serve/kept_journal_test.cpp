@@ -33,7 +33,7 @@ class KeptJournals : public testing::Test {
 TEST_F(KeptJournals, AreNoneAtFirst) {
   KeptJournal kept(here);
   EXPECT_TRUE(kept.earlier().empty());
-  kept.takeOver();
+  kept.takeOver(true);
   EXPECT_FALSE(fs::exists(journalFile(here)));
   EXPECT_TRUE(KeptJournal("").earlier().empty());
 }
@@ -45,10 +45,24 @@ TEST_F(KeptJournals, GoFromStartToStart) {
     EXPECT_EQ(kept.earlier(), before);
     EXPECT_FALSE(fs::exists(journalFile(here)));
     writeJournal(here, next);
-    kept.takeOver();
+    kept.takeOver(true);
     EXPECT_FALSE(fs::exists(before));
     EXPECT_EQ(journalIn(here), next);
   }
+}
+
+// Something of it could not be read, and may be read by somebody who knows more.
+TEST_F(KeptJournals, ThatWereNotReadToTheirEndArePutAside) {
+  for (const char* name : {"journal-unread-1.palpate", "journal-unread-2.palpate"}) {
+    writeJournal(here, name);
+    KeptJournal kept(here);
+    writeJournal(here, "next");
+    EXPECT_EQ(kept.takeOver(false), here / name);
+    EXPECT_FALSE(fs::exists(before));
+    EXPECT_EQ(journalIn(here), "next");
+  }
+  std::ifstream first(here / "journal-unread-1.palpate");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(first), {}), "journal-unread-1.palpate");
 }
 
 // Killed while it makes the edits again: the earlier one counts, at the next start too.
@@ -68,7 +82,7 @@ TEST_F(KeptJournals, CountFromTheMarkOn) {
   {
     KeptJournal kept(here);
     writeJournal(here, "second");
-    kept.takeOver();
+    kept.takeOver(true);
   }
   writeJournal(before, "first");  // as if it had not been deleted
   EXPECT_EQ(journalIn(KeptJournal(here).earlier()), "second");
@@ -83,7 +97,7 @@ TEST_F(KeptJournals, TouchNothingElse) {
   KeptJournal kept(here.string() + "/");
   EXPECT_EQ(journalIn(kept.earlier()), "first");
   writeJournal(here, "second");
-  kept.takeOver();
+  kept.takeOver(true);
   EXPECT_EQ(journalIn(here), "second");
   EXPECT_TRUE(fs::exists(here / "mine.txt"));
   EXPECT_FALSE(fs::exists(before));

@@ -45,6 +45,8 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   status.redoable = 9;
   status.unsaved = true;
   status.journal_bytes = 10;
+  status.journal_failure = "the disk is full";
+  status.lost_records = 15;
   status.engines = 11;
   status.gpu_bytes = 12;
   status.clients = 13;
@@ -53,13 +55,14 @@ TEST(ServedStatus, FiguresAreWhatTheyAreCalled) {
   EXPECT_NEAR(all["servo_memory_bytes"], all["engine_memory_bytes"], 1e6);  // it is this process
   all.erase("engine_memory_bytes");
   all.erase("servo_memory_bytes");
-  const std::map<std::string, double> expected = {{"servo", 1},       {"servos", 2},           {"tick", 77},
-                                                  {"pose_age_ms", 2}, {"window_age_ms", 14},   {"force_N", 5},
-                                                  {"force_off", 1},   {"contact", 1},          {"faults", 96},
-                                                  {"windows", 3},     {"waiting_for_disk", 4}, {"waiting", 5},
-                                                  {"edits", 6},       {"refused", 7},          {"undoable", 8},
-                                                  {"redoable", 9},    {"unsaved", 1},          {"journal_bytes", 10},
-                                                  {"engines", 11},    {"gpu_bytes", 12},       {"clients", 13}};
+  const std::map<std::string, double> expected = {{"servo", 1},          {"servos", 2},           {"tick", 77},
+                                                  {"pose_age_ms", 2},    {"window_age_ms", 14},   {"force_N", 5},
+                                                  {"force_off", 1},      {"contact", 1},          {"faults", 96},
+                                                  {"windows", 3},        {"waiting_for_disk", 4}, {"waiting", 5},
+                                                  {"edits", 6},          {"refused", 7},          {"undoable", 8},
+                                                  {"redoable", 9},       {"unsaved", 1},          {"journal_bytes", 10},
+                                                  {"journal_failed", 1}, {"lost_records", 15},    {"engines", 11},
+                                                  {"gpu_bytes", 12},     {"clients", 13}};
   EXPECT_EQ(all, expected);
 }
 

@@ -40,12 +40,14 @@ class Checkpoints : public testing::Test {
     }
   }
   void write(std::size_t number, std::size_t edits) const {
-    writeCheckpoint(checkpointFile(folder_.path(), number), marks_[edits - 1], states_[edits - 1], allBricks(volume_));
+    writeCheckpoint(checkpointFile(folder_.path(), number), {marks_[edits - 1], 0, 0}, states_[edits - 1],
+                    allBricks(volume_));
   }
   // How many edits the volume holds that a start gets, which is checked; `of` the first edits.
   [[nodiscard]] std::size_t heldAtStart(std::size_t of = 30) {
     Volume volume = sampleVolume();
-    const Headstart held = putCheckpoint(folder_.path(), header_, std::span(edits_).first(of), volume);
+    const Headstart held =
+        putCheckpoint(folder_.path(), *EditTrail(header_).mark(), std::span(edits_).first(of), volume);
     EXPECT_EQ(contentHash(volume), held.edits == 0 ? header_.volume.content : contentHash(states_.at(held.edits - 1)));
     good_ = held.good;
     EXPECT_EQ(held.bricks, held.edits == 0 ? std::vector<std::uint32_t>{} : allBricks(volume));
@@ -113,7 +115,7 @@ TEST_F(Checkpoints, ThatAreDamagedAreNotUsed) {
 
 // Whoever writes the checksum too: numbers out of range reach nothing.
 TEST_F(Checkpoints, WithImpossibleNumbersAreNotUsed) {
-  writeCheckpoint(checkpointFile(folder_.path(), 0), marks_[9], states_[9], {{0, 1}});
+  writeCheckpoint(checkpointFile(folder_.path(), 0), {marks_[9], 0, 0}, states_[9], {{0, 1}});
   const fs::path file = checkpointFile(folder_.path(), 0);
   std::string bytes = contentsOf(file);
   bytes.resize(bytes.size() - 4);
@@ -125,18 +127,18 @@ TEST_F(Checkpoints, WithImpossibleNumbersAreNotUsed) {
     fs::remove(file);
     std::ofstream(file, std::ios::binary) << changed;
     Volume volume = sampleVolume();
-    const std::size_t held = putCheckpoint(folder_.path(), header_, edits_, volume).edits;
+    const std::size_t held = putCheckpoint(folder_.path(), *EditTrail(header_).mark(), edits_, volume).edits;
     EXPECT_EQ(contentHash(volume) == header_.volume.content, held == 0);
     return held == 10;
   };
-  constexpr std::size_t kCount = 28, kFirstBrick = 32, kFirstValues = 36;
+  constexpr std::size_t kCount = 44, kFirstBrick = 48, kFirstValues = 52;
   ASSERT_TRUE(isUsedWith(kCount, 2));
   for (const std::uint32_t number : {1U, 3U, 0xffffffffU}) EXPECT_FALSE(isUsedWith(kCount, number)) << number;
   for (const std::uint32_t number : {0U, 2U, 511U, 513U, 0x40000001U})
     EXPECT_FALSE(isUsedWith(kFirstValues, number)) << number;
   EXPECT_FALSE(isUsedWith(kFirstBrick, 1));  // twice
   EXPECT_FALSE(isUsedWith(kFirstBrick, 9));  // not ascending
-  EXPECT_FALSE(isUsedWith(8, 2));            // a version of which nothing is known
+  EXPECT_FALSE(isUsedWith(8, 3));            // a version of which nothing is known
   // The last brick lies outside: nothing is put, not even the first one.
   std::uint32_t first_values = 0;
   std::memcpy(&first_values, bytes.data() + kFirstValues, sizeof first_values);
@@ -149,7 +151,7 @@ TEST_F(Checkpoints, WithImpossibleNumbersAreNotUsed) {
 
 TEST_F(Checkpoints, ThatCannotBeWrittenLeaveTheOldOne) {
   write(0, 10);
-  EXPECT_THROW(writeCheckpoint(folder_.path() / "none" / "file", marks_[0], volume_, {}), Error);
+  EXPECT_THROW(writeCheckpoint(folder_.path() / "none" / "file", {marks_[0], 0, 0}, volume_, {}), Error);
   {
     const FileSizeLimit limit(200);
     EXPECT_THROW(write(0, 20), Error);

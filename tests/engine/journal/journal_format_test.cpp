@@ -85,16 +85,18 @@ Lattice numberedLattice() {
 }
 
 TEST(JournalFormat, OfTheHeaderIsWhatTheDocumentSays) {
-  const JournalHeader header{{"phantom:x", {21, 22, 23}, numberedLattice(), 0x0123456789abcdefU}, {31, 32, 33, 34, 35}};
+  const JournalHeader header{
+      {"phantom:x", {21, 22, 23}, numberedLattice(), 0x0123456789abcdefU}, {31, 32, 33, 34, 35}, 0xfedcba9876543210U};
   ByteWriter content;
   content.add(std::string_view("phantom:x"));
   for (const std::int32_t size : {21, 22, 23}) content.add(size);
   for (int n = 1; n <= 15; ++n) content.add(static_cast<double>(n));
   content.add(std::uint64_t{0x0123456789abcdefU});
   for (int n = 31; n <= 35; ++n) content.add(static_cast<double>(n));
+  content.add(std::uint64_t{0xfedcba9876543210U});
   ByteWriter want;
   want.addRaw("PALPJRNL");
-  want.add(std::uint32_t{3});
+  want.add(std::uint32_t{4});
   want.add(std::string_view(content.bytes()));
   want.add(crc32c(want.bytes()));
   EXPECT_EQ(headerBytes(header), want.bytes());
@@ -109,6 +111,7 @@ TEST(JournalFormat, OfTheHeaderIsWhatTheDocumentSays) {
   EXPECT_EQ(read.profile.object, 33);
   EXPECT_EQ(read.profile.slope_per_m, 34);
   EXPECT_EQ(read.profile.band_m, 35);
+  EXPECT_EQ(read.id, 0xfedcba9876543210U);
 }
 
 TEST(JournalFormat, OfAStampIsWhatTheDocumentSays) {
@@ -156,24 +159,53 @@ TEST(JournalFormat, RefusesWhatIsNoJournal) {
 
 TEST(JournalFormat, RefusesAnotherVersionAndSaysWhatToDo) {
   std::string bytes = headerBytes(header());
-  for (const char version : {char{1}, char{4}}) {
+  for (const char version : {char{1}, char{5}}) {
     bytes[kJournalMagic.size()] = version;
-    const std::string reason = fmt::format("format version {}, and this program knows versions 2 to 3", int{version});
+    const std::string reason = fmt::format("format version {}, and this program knows versions 2 to 4", int{version});
     EXPECT_THAT(refusal(bytes), HasSubstr(reason + "; recover it with"));
   }
 }
 
-// Version 2 differs in nothing but that it has fewer kinds of records.
-TEST(JournalFormat, ReadsTheVersionBefore) {
-  std::string bytes = headerBytes(header());
-  bytes[kJournalMagic.size()] = 2;
-  bytes.resize(bytes.size() - 4);
-  ByteWriter checksum;
-  checksum.add(crc32c(bytes));
-  bytes += checksum.bytes();
-  JournalHeader read;
-  EXPECT_EQ(readHeader(bytes, "FILE", read), bytes.size());
-  EXPECT_EQ(read.volume.content, header().volume.content);
+// Versions 2 and 3 have no number of the journal at the header's end, and fewer kinds of records.
+TEST(JournalFormat, ReadsTheVersionsBefore) {
+  const std::string present = headerBytes(header());
+  const std::size_t front = kJournalMagic.size() + sizeof(std::uint32_t);
+  for (const std::uint32_t version : {2U, 3U}) {
+    ByteWriter older;
+    older.addRaw(kJournalMagic);
+    older.add(version);
+    older.add(present.substr(front + 4, present.size() - front - 4 - 4 - sizeof(std::uint64_t)));
+    older.add(crc32c(older.bytes()));
+    JournalHeader read;
+    read.id = 5;
+    EXPECT_EQ(readHeader(older.bytes(), "FILE", read), older.bytes().size());
+    EXPECT_EQ(read.volume.content, header().volume.content);
+    EXPECT_EQ(read.id, 0U);
+  }
+}
+
+TEST(JournalFormat, BricksComeBack) {
+  const Volume volume = sampleVolume();
+  const std::vector<std::uint32_t> bricks = {0, 1, 7, 20};
+  const std::string content = bricksContent({9, 77}, true, volume, bricks);
+  KeptBricks read;
+  const auto record = bricksOf(content, read);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->mark, (EditMark{9, 77}));
+  EXPECT_TRUE(record->is_last);
+  EXPECT_EQ(read.bricks, bricks);
+  Volume empty = Volume::fromDense(volume.size(), volume.lattice(),
+                                   std::vector<float>(static_cast<std::size_t>(volume.size().prod())), {});
+  ASSERT_TRUE(fit(read, empty));
+  putBricks(read, empty);
+  EXPECT_EQ(bricksContent({9, 77}, true, empty, bricks), content);
+  EXPECT_FALSE(bricksOf(content, read));  // the same once more: they are not ascending
+  for (std::size_t size = 0; size < content.size(); size += 13) {
+    KeptBricks cut;
+    EXPECT_FALSE(bricksOf(content.substr(0, size), cut)) << size;
+  }
+  KeptBricks longer;
+  EXPECT_FALSE(bricksOf(content + "x", longer));
 }
 
 TEST(JournalFormat, RefusesADamagedHeaderWhereverItIsDamaged) {

@@ -21,7 +21,7 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // A session of dabs that never meet, without an engine: the volume is the saver's.
 class CheckpointKeepers : public testing::Test {
  protected:
-  CheckpointKeepers() { keeper_.begin({}, {}); }
+  CheckpointKeepers() { keeper_.begin(*EditTrail(header_).mark(), {}, {}); }
 
   void edit(double seconds) {
     EditCommand command = dab(0);
@@ -34,14 +34,14 @@ class CheckpointKeepers : public testing::Test {
   }
   bool writeIfDue(std::int64_t now_ns) {
     if (!keeper_.isDue(now_ns)) return false;
-    keeper_.writer(now_ns)(volume_);
+    keeper_.writer(now_ns, 0)(volume_);
     return true;
   }
   // How many edits the files hold that a start after a crash could use, in the order of the files.
   [[nodiscard]] std::vector<std::uint64_t> onDisk() const {
     Volume volume = sampleVolume();
     std::vector<std::uint64_t> edits;
-    for (const auto& mark : putCheckpoint(folder_.path(), header_, edits_, volume).good)
+    for (const auto& mark : putCheckpoint(folder_.path(), *EditTrail(header_).mark(), edits_, volume).good)
       if (mark) edits.push_back(mark->edits);
     return edits;
   }
@@ -99,7 +99,7 @@ TEST_F(CheckpointKeepers, OverwriteTheOneWhoseEditsWereUndone) {
 TEST_F(CheckpointKeepers, DoNotWriteAllTheTime) {
   edit(1);
   ASSERT_TRUE(keeper_.isDue(0));
-  const auto write = keeper_.writer(0);
+  const auto write = keeper_.writer(0, 0);
   const auto begin = std::chrono::steady_clock::now();
   write(volume_);
   const std::chrono::nanoseconds at_most_ns = std::chrono::steady_clock::now() - begin;
@@ -116,10 +116,10 @@ TEST_F(CheckpointKeepers, AreNotWrittenAgainForWhatAFileHolds) {
   }
   edit(0.1);
   Volume next = sampleVolume();
-  const Headstart held = putCheckpoint(folder_.path(), header_, edits_, next);
+  const Headstart held = putCheckpoint(folder_.path(), *EditTrail(header_).mark(), edits_, next);
   ASSERT_EQ(held.edits, 2U);
   CheckpointKeeper keeper(folder_.path(), header_, kBricks, {});
-  keeper.begin(std::span(edits_).first(2), held);
+  keeper.begin(*EditTrail(header_).mark(), std::span(edits_).first(2), held);
   EXPECT_FALSE(keeper.isDue(0));
   keeper.edited(edits_[2].commands, false, 1, 1);
   EXPECT_FALSE(keeper.isDue(0));

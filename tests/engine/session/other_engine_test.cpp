@@ -61,7 +61,7 @@ class Wandering {
     session.keepAbreast();
     // A checkpoint with every copy: more often than one would ever be due.
     session.keepCheckpoints(
-        folder.path() / "journal", header, {}, {}, [](const std::string& why) { ADD_FAILURE() << why; }, 0);
+        folder.path() / "journal", {}, {}, [](const std::string& why) { ADD_FAILURE() << why; }, 0);
     contents_.push_back(contentHash(twin_));
     note();
   }
@@ -110,7 +110,7 @@ class Wandering {
     const std::vector<LastingEdit> lasting = lastingEdits(journal);
     ASSERT_EQ(lasting.size(), done_);
     Volume back = sampleVolume(8, kSize);
-    const Headstart held = putCheckpoint(folder.path() / "journal", journal.header, lasting, back);
+    const Headstart held = putCheckpoint(folder.path() / "journal", *EditTrail(journal.header).mark(), lasting, back);
     ASSERT_EQ(contentHash(back), contents_[held.edits]);
     for (const LastingEdit& edit : std::span(lasting).subspan(held.edits))
       reference::applyEdits(back, lowerEdits(edit.commands, kSize, back.lattice(), header.profile));
