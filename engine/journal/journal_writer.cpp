@@ -11,6 +11,7 @@
 
 #include "base/durable_io.hpp"
 #include "base/error.hpp"
+#include "base/file_lock.hpp"
 #include "base/part_file.hpp"
 #include "base/thread_names.hpp"
 
@@ -23,6 +24,9 @@ namespace fs = std::filesystem;
   throw Error(Error::Code::kIo, file.string(), fmt::format("no journal can be kept there ({})", std::strerror(error)),
               "make room or choose another folder with --journal");
 }
+
+constexpr std::chrono::seconds kLookAtFile{1};
+constexpr const char* kGone = "it is not where it was";
 
 // Writes the records and counts them and their bytes. A failure: as an errno value.
 int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint64_t& sequence, std::uint64_t& bytes) {
@@ -143,7 +147,16 @@ void JournalWriter::work() {
   nameThisThread("journal");
   std::unique_lock lock(mutex_);
   for (;;) {
-    wake_.wait(lock, [&] { return !queue_.empty() || closing_; });
+    // Now and then it looks whether its file is there, also when nothing comes.
+    if (!wake_.wait_for(lock, kLookAtFile, [&] { return !queue_.empty() || closing_; })) {
+      if (isNameOf(file_, descriptor_)) continue;
+      lock.unlock();
+      fail(kGone, ENOENT);
+      lock.lock();
+      ended_ = true;
+      progress_.notify_all();
+      return;
+    }
     if (queue_.empty()) return;
     wake_.wait_for(lock, options_.gather, [&] { return closing_ || hurry_ || queue_.size() >= options_.queue_bytes; });
     hurry_ = false;
@@ -172,7 +185,11 @@ void JournalWriter::work() {
 bool JournalWriter::writeGroup(const std::string& group) {
   int error = writeAll(descriptor_, group);
   if (error == 0 && fdatasync(descriptor_) != 0) error = errno;
-  if (error == 0) return true;
+  if (error == 0 && isNameOf(file_, descriptor_)) return true;
+  if (error == 0) {  // written, but nobody will find it
+    fail(kGone, ENOENT);
+    return false;
+  }
   // If even this fails, the reader finds a record that is cut short. It then recovers the same and reports the loss.
   if (ftruncate(descriptor_, static_cast<off_t>(bytes_.load())) == 0) static_cast<void>(fdatasync(descriptor_));
   fail("it cannot be written", error);
@@ -196,6 +213,11 @@ void JournalWriter::fail(const char* what, int error) noexcept {
 std::string JournalWriter::failure() const {
   const std::lock_guard lock(mutex_);
   if (failure_ == nullptr) return {};
+  if (failure_ == kGone)
+    return fmt::format(
+        "{}: it is not where it was: somebody has removed or moved it, and its edits with it; save the "
+        "volume itself",
+        file_.string());
   const std::string record = on_disk_.edit == 0 ? "" : fmt::format(" (record {} of the journal)", on_disk_.record);
   return fmt::format("{}: {} ({}); edits after number {}{} are not saved: {}save the volume itself", file_.string(),
                      failure_, std::strerror(failure_error_), on_disk_.edit, record,

@@ -4,10 +4,11 @@
 // Records go into a queue. The journal's own thread gathers the records of a few milliseconds, writes them and waits
 // for the disk (fdatasync). Only then are they acknowledged. The queue is bounded: an append to a full queue waits.
 //
-// If the disk is full or fails, the journal ends. It cuts a half-written record off, saves nothing after the last
-// acknowledged record, and reports that in failure(). The session goes on without a journal. The journal also ends if
-// there is no memory for a record, since later edits without that one would lead to a different volume. Records that
-// were queued before are still saved.
+// If the disk is full or fails, or the file is not there any more, which is looked for with every group and each
+// second, the journal ends. It cuts a half-written record off, saves nothing after the last acknowledged record, and
+// reports that in failure(). The session goes on without a journal. The journal also ends if there is no memory for a
+// record, since later edits without that one would lead to a different volume. Records that were queued before are
+// still saved.
 //
 // Threads: one thread appends; any thread may call acknowledged(), failure() and failed(). Cost of an append: encoding
 // and a lock.

@@ -318,5 +318,35 @@ TEST(JournalWriter, RefusesAPlaceThatIsNoFolder) {
   EXPECT_EQ(folder.files(), 1);
 }
 
+// With the next edit, and without one.
+TEST(JournalWriter, AFileThatIsRemovedIsNoticed) {
+  for (const bool by_folder : {false, true}) {
+    for (const bool has_edit : {false, true}) {
+      const TemporaryFolder folder;
+      const std::filesystem::path place = folder.path() / "journal";
+      JournalWriter writer(place, header());
+      writer.edit({{dab(1)}});
+      writer.flush();
+      ASSERT_EQ(writer.acknowledged(), 1U);
+      if (by_folder) {
+        std::filesystem::remove_all(place);
+      } else {
+        std::filesystem::rename(journalFile(place), place / "moved");
+      }
+      if (has_edit) {
+        writer.edit({{dab(2)}});
+        writer.flush();
+      }
+      for (int look = 0; look < 600 && !writer.failed(); ++look)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      EXPECT_THAT(writer.failure(), HasSubstr("somebody has removed or moved it"));
+      EXPECT_EQ(writer.acknowledged(), 1U);
+      writer.edit({{dab(3)}});
+      writer.close();
+      EXPECT_EQ(writer.acknowledged(), 1U);
+    }
+  }
+}
+
 }  // namespace journal_writer_test
 }  // namespace palpate
