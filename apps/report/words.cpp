@@ -78,8 +78,8 @@ std::string swingWords(const ContactStability& s) {
 
 // What an unstable contact is mended by.
 std::string remedyWords(const ContactStability& s, const RunFigures& f) {
-  const std::string most = std::isfinite(s.good_damping_Ns_per_m)
-                               ? fmt::format(" to {} at most", shortNumber(s.good_damping_Ns_per_m))
+  const std::string most = std::isfinite(s.most_damping_Ns_per_m)
+                               ? fmt::format(" to {} at most", shortNumber(s.most_damping_Ns_per_m))
                                : std::string();
   return fmt::format("lower --stiffness{}, raise --rate, or {} --damping{}{}", s.delay_ticks > 0 ? " or --delay" : "",
                      s.damps_too_much ? "lower" : "raise", most,

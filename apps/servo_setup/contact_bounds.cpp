@@ -27,8 +27,9 @@ struct Way {
 
 // Along the normal; along the surface too where effects hold the tool, without damping.
 std::vector<Way> ways(const RigSettings& settings) {
-  std::vector<Way> all = {{mostStiffening(settings.effects), settings.parameters.damping_Ns_per_m}};
-  const double aside = mostStiffeningAside(settings.effects);
+  const double by_algorithm = algorithmEntry(settings.algorithm).traits.stiffening;
+  std::vector<Way> all = {{by_algorithm * mostStiffening(settings.effects), settings.parameters.damping_Ns_per_m}};
+  const double aside = by_algorithm * mostStiffeningAside(settings.effects);
   if (aside > 0) all.push_back({aside, 0});
   return all;
 }
@@ -37,23 +38,15 @@ Wall wallOf(const RigSettings& settings, const Way& way, double gain = 1) {
   return {settings.parameters.stiffness_N_per_m * way.factor * gain, way.damping_Ns_per_m * gain};
 }
 
-// What a hand and a device's bearings have at least of dry friction, where the device states less [N]. Measured: of
-// 12,000 random contacts those that swung on had jumps of 0.06 N and more (docs/stability.md).
-constexpr double kLeastFriction_N = 0.02;
-
 // Swings of a few steps of the encoders know no damping, since a velocity that is rounded comes in steps, too. So they
-// go on where the wall is unstable without its damping, unless dry friction quiets them. It does where a step makes the
-// force jump by at most twice as much [N] (Abbott and Okamura 2005, for walls without damping).
-double quietJump(const SampledLoop& loop) {
-  return 2 * std::max(loop.hand.device_friction_N, kLeastFriction_N);
-}
-
-// A damping that answers a step by more than this many times as much is not given to a hand: dampings of up to that are
-// tried (quiet_contacts_test), and at 90 times an arm bounced at 5 Hz, too slowly for the guard.
-constexpr double kMostJumps = 10;
+// go on where the wall is unstable without its damping, unless dry friction quiets them (quietJump()).
+// A wall that answers a step by more than kMostJumps times as much lets the tool go and hits it again whatever else is
+// true, and so does a damping by more than kMostDampingJumps times: with 10, forces chattered between none and three
+// times their mean (50 um, 11 N s/m), with 90 an arm bounced at 5 Hz, too slowly for the guard.
+constexpr double kMostJumps = 10, kMostDampingJumps = 5;
 
 bool isDampedQuietly(const SampledLoop& loop, double damping_Ns_per_m, double resolution_m) {
-  return forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m) <= kMostJumps * quietJump(loop);
+  return forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m) <= kMostDampingJumps * quietJump(loop.hand);
 }
 
 // Whether such swings die. Without the gain of rounding, which is that of swings of about a step: of 12,000 contacts
@@ -61,16 +54,19 @@ bool isDampedQuietly(const SampledLoop& loop, double damping_Ns_per_m, double re
 bool isQuiet(const SampledLoop& loop, const Wall& wall, double resolution_m) {
   constexpr double kRounding = 1e-9;  // of quietStiffness()
   if (!isDampedQuietly(loop, wall.damping_Ns_per_m, resolution_m)) return false;
-  return forceOfAStep(loop, wall, resolution_m) <= quietJump(loop) * (1 + kRounding) ||
-         isStable(loop, {wall.stiffness_N_per_m * (1 - kRounding), 0});
+  const double jumps = forceOfAStep(loop, wall, resolution_m) / quietJump(loop.hand);
+  if (jumps > kMostJumps * (1 + kRounding)) return false;
+  return jumps <= 1 + kRounding || isStable(loop, {wall.stiffness_N_per_m * (1 - kRounding), 0});
 }
 
 // The stiffness up to which they do; 0: none.
 double quietStiffness(const SampledLoop& loop, double damping_Ns_per_m, double resolution_m) {
   if (!(resolution_m > 0)) return std::numeric_limits<double>::infinity();
   if (!isDampedQuietly(loop, damping_Ns_per_m, resolution_m)) return 0;
-  const double by_friction = (quietJump(loop) - forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m)) / resolution_m;
-  return std::max(by_friction, stiffnessBound(loop, 0));
+  const auto with = [&](double jumps) {
+    return (jumps * quietJump(loop.hand) - forceOfAStep(loop, {0, damping_Ns_per_m}, resolution_m)) / resolution_m;
+  };
+  return std::min(with(kMostJumps), std::max(with(1), stiffnessBound(loop, 0)));
 }
 
 // What is asked whether it shakes.
@@ -176,7 +172,7 @@ std::string conditionWords(const SampledLoop& loop) {
 std::string stepWords(const SampledLoop& loop, const Wall& wall, double resolution_m) {
   return fmt::format(
       "as a step of its encoders, {:.2g} um, makes the force jump by {:.2g} N and friction quiets {:.2g} N",
-      1e6 * resolution_m, forceOfAStep(loop, wall, resolution_m), quietJump(loop));
+      1e6 * resolution_m, forceOfAStep(loop, wall, resolution_m), quietJump(loop.hand));
 }
 
 // What the contact will do, and why.
@@ -191,7 +187,8 @@ std::string stiffnessWarning(const Contact& contact, const Worst& worst) {
   const double factor = worst.way.factor;
   const AlgorithmParameters& parameters = contact.settings.parameters;
   const std::string effects =
-      factor == 1 ? std::string() : fmt::format(", which the effects make up to {:.3g} times as stiff", factor);
+      factor == 1 ? std::string()
+                  : fmt::format(", which effects or algorithm make up to {:.3g} times as stiff,", factor);
   const std::string damping = worst.way.damping_Ns_per_m < parameters.damping_Ns_per_m
                                   ? std::string("along the surface, where effects hold it without damping,")
                                   : fmt::format("with a damping of {:g} N s/m", worst.way.damping_Ns_per_m);
@@ -243,6 +240,7 @@ std::string dampingWarning(const Contact& contact, const Worst& worst) {
     if (settling <= stiffness) continue;
     stiffness = settling;
     safe_damping = safe.settings.parameters.damping_Ns_per_m;
+    if (stiffness >= contact.settings.parameters.stiffness_N_per_m) break;
   }
   const std::string softer = stiffness < contact.settings.parameters.stiffness_N_per_m
                                  ? fmt::format(" with a stiffness of at most {:g} N/m", stiffness)
@@ -262,7 +260,7 @@ bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Dev
 
 double renderableDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   const Contact contact(settings, loop, device);
-  return contact.isKnown() ? mostDamping(contact) : std::numeric_limits<double>::infinity();
+  return contact.isKnown() ? twoDigits(mostDamping(contact), std::floor) : std::numeric_limits<double>::infinity();
 }
 
 double renderableStiffness(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
@@ -289,8 +287,7 @@ double usualStiffness(const RigSettings& settings, const LoopParameters& loop, c
 double usualDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device) {
   const double asked = settings.parameters.damping_Ns_per_m;
   if (!device.limits().follows_force) return asked;
-  const double most = renderableDamping(settings, loop, device);
-  return most < asked ? twoDigits(most, std::floor) : asked;
+  return std::min(asked, renderableDamping(settings, loop, device));
 }
 
 std::vector<std::string> boundWarnings(const RigSettings& settings, const LoopParameters& loop, const Device& device) {

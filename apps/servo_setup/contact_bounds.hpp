@@ -24,8 +24,8 @@ namespace palpate {
 // device, or the algorithm has no stiffness. Asked at every change of the settings.
 [[nodiscard]] bool mayShake(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
-// The largest damping with which some wall settles soon in every hand [N s/m]. Infinite: nothing is known of the
-// device, or the algorithm has no stiffness.
+// The largest damping with which some wall settles soon in every hand, in two digits [N s/m]. Infinite: nothing is
+// known of the device, or the algorithm has no stiffness.
 [[nodiscard]] double renderableDamping(const RigSettings& settings, const LoopParameters& loop, const Device& device);
 
 // The largest stiffness that settles soon in every hand, with the settings' damping and effects [N/m]: what a warning

@@ -82,7 +82,8 @@ constexpr AlgorithmEntry kEntries[] = {
     {"god-object",
      "constraint-based contact with a triangle mesh of the isosurface (Zilles and Salisbury 1995)",
      makeGodObject,
-     {.isosurface_mesh = true}},
+     {.isosurface_mesh = true},
+     {.stiffening = 1.3}},  // measured: where facets meet, it shakes from 0.8 of what a smooth surface bears on
     {"implicit", "contact point tracked by its tangent plane, every tick (Salisbury and Tarr 1997)",
      makeVhip<Implicit>},
     {"haptization",

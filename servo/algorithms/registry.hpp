@@ -37,6 +37,7 @@ struct AlgorithmTraits {
   bool renews_planes = false;  // plane_renewal_ticks has an effect
   bool takes_tables = false;   // AlgorithmSetup::haptization
   bool shows_surface = true;   // its VHIP is an estimate of the surface point; false: its VHIP is the HIP
+  double stiffening = 1;       // how many times as stiff as asked a contact may be felt, beside what effects do
 };
 
 // How far the plane may be off at most, when the tick that uses it last ends [m]; 0: it keeps no plane.

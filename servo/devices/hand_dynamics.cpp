@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/hand_dynamics.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <unsupported/Eigen/MatrixFunctions>
@@ -9,6 +10,11 @@
 #include "servo/devices/hand_friction.hpp"
 
 namespace palpate {
+
+double quietJump(const HandParameters& hand) noexcept {
+  constexpr double kLeastFriction_N = 0.02;
+  return 2 * std::max(hand.device_friction_N, kLeastFriction_N);
+}
 
 double brakingDamping(const HandParameters& hand, double rate_hz, int delay_ticks, double velocity_cutoff_hz) noexcept {
   const double filter_s = velocity_cutoff_hz > 0 ? 1 / (2 * M_PI * velocity_cutoff_hz) : 0;

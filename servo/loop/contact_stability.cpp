@@ -62,8 +62,8 @@ void noteUnstable(const SwingWatch::Unstable& swings, ContactStability& out) {
 ContactStability assessContact(std::span<const TickRecord> records, const ContactConditions& conditions) {
   ContactStability out;
   out.delay_ticks = conditions.delay_ticks;
-  out.good_damping_Ns_per_m = ContactStability::kGoodDamping * conditions.most_damping_Ns_per_m;
-  out.damps_too_much = conditions.damping_Ns_per_m > out.good_damping_Ns_per_m;
+  out.most_damping_Ns_per_m = conditions.most_damping_Ns_per_m;
+  out.damps_too_much = conditions.damping_Ns_per_m > conditions.most_damping_Ns_per_m;
   addEnergy(records, conditions, out);
   SwingWatch watch(conditions.resolution_m, conditions.path);
   SwingWatch guards(conditions.resolution_m);  // as the servo's guard saw it

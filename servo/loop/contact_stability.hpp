@@ -54,9 +54,8 @@ struct ContactStability {
   double share = 0;      // given / stored; 0 where nothing was stored [-]
   double allowed_J = 0;  // error and quiet share, summed over all contacts
   int delay_ticks = 0;   // of the device's force, which lends to both
-  // The damping that a wall should have at most [N s/m]: with more of what some wall bears, only soft ones do.
-  // Infinite: unknown. And whether the contact had more.
-  double good_damping_Ns_per_m = std::numeric_limits<double>::infinity();
+  // The damping that some wall bears at most [N s/m]; infinite: unknown. And whether the contact had more.
+  double most_damping_Ns_per_m = std::numeric_limits<double>::infinity();
   bool damps_too_much = false;
   // For the swings:
   int bounces = 0;              // how often contact was left outwards while the hand wanted the tool inside
@@ -67,7 +66,6 @@ struct ContactStability {
   int ended_by_servo = 0;       // how often the servo took the force away for it (instability_guard.hpp)
 
   static constexpr double kQuietShare = 0.01;
-  static constexpr double kGoodDamping = 0.7;  // of the largest: the stiffest walls are there and below
 };
 
 [[nodiscard]] ContactStability assessContact(std::span<const TickRecord> records, const ContactConditions& conditions);

@@ -271,7 +271,7 @@ TEST(Words, ActiveContactsToTheLetter) {
             "unstable: from 1.25 s to 4.5 s the tool swung against the surface by 0.8 mm at 31 Hz without settling, "
             "1 bounce in all, and the surface fed it; lower --stiffness, "
             "raise --rate, or raise --damping; --passivity control lessens it");
-  s.good_damping_Ns_per_m = 58;
+  s.most_damping_Ns_per_m = 58;
   EXPECT_THAT(stabilityWords(s, {}), HasSubstr("raise --rate, or raise --damping to 58 at most; --passivity"));
   s.damps_too_much = true;
   EXPECT_THAT(stabilityWords(s, {}), HasSubstr("raise --rate, or lower --damping to 58 at most; --passivity"));

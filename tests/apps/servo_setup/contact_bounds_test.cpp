@@ -168,6 +168,15 @@ TEST(ContactBounds, ThePassivityControllerDoesNotSilenceThem) {
   EXPECT_THAT(boundWarnings(settings, loop, device), testing::IsEmpty());
 }
 
+// Where facets meet, the god-object's contact is felt stiffer than asked.
+TEST(ContactBounds, CountWhatTheAlgorithmMakesOfAStiffness) {
+  RigSettings settings;
+  const SimulatedDevice device = deviceIn({}, 0, 1000);
+  const double smooth = renderableStiffness(settings, {}, device);
+  settings.algorithm = "god-object";
+  EXPECT_NEAR(renderableStiffness(settings, {}, device), smooth / 1.3, 1e-3 * smooth);
+}
+
 // What a damping does that no wall bears: by itself, too late, or by the encoders' steps. 150 g at 1 kHz brake with up
 // to 0.15 / (1 / 1000 + 1 / (2 pi 200)) = 83.5 N s/m.
 TEST(ContactBounds, TellWhyADampingIsTooMuch) {
@@ -252,9 +261,10 @@ TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
       return stiffness * factor * device.of.position_resolution_m +
              settings.parameters.damping_Ns_per_m * speed_m_per_s;
     };
-    const bool overdamped = settings.parameters.damping_Ns_per_m * speed_m_per_s > 10 * quiet_N;
+    const bool overdamped = settings.parameters.damping_Ns_per_m * speed_m_per_s > 5 * quiet_N;
     const auto swings = [&](double stiffness) {
-      return overdamped || (jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0}));
+      return overdamped || jump_N(stiffness) > 10 * quiet_N ||
+             (jump_N(stiffness) > quiet_N && !isStable(sampled, {stiffness * factor, 0}));
     };
     const double stiffness = settings.parameters.stiffness_N_per_m;
     const bool settles = settlesSoon(sampled, {gain * stiffness * factor, gain * settings.parameters.damping_Ns_per_m});
@@ -274,8 +284,9 @@ TEST(ContactBounds, AStepOfTheEncodersIsAnsweredByLessThanFrictionQuiets) {
     if (overdamped) {
       ++damped;
       const double safe = numberAfter(warnings[0], "give at most ");
-      EXPECT_LE(safe * speed_m_per_s, 10 * quiet_N) << warnings[0];
-      EXPECT_GT(safe * 1.12 * speed_m_per_s, 10 * quiet_N) << warnings[0];  // two digits
+      EXPECT_LE(safe * speed_m_per_s, 5 * quiet_N) << warnings[0];
+      // Two digits; half of what is borne where only that leaves room for the stiffness.
+      EXPECT_GT(safe * 2.24 * speed_m_per_s, 5 * quiet_N) << warnings[0];
       continue;
     }
     ++stiff;

@@ -194,5 +194,10 @@ TEST(HandDynamics, ADampingBrakesUpToTheMassOverTheForcesDelay) {
   EXPECT_NEAR(brakingDamping(p, 1000, 2, 200), 0.15 / (3e-3 + 0.795775e-3), 1e-4);
 }
 
+TEST(HandDynamics, AForceMayJumpByTwiceTheDryFriction) {
+  EXPECT_DOUBLE_EQ(quietJump({.device_friction_N = 0.3}), 0.6);
+  EXPECT_DOUBLE_EQ(quietJump({.device_friction_N = 0.001}), 0.04);
+}
+
 }  // namespace hand_dynamics_test
 }  // namespace palpate
