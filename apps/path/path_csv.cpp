@@ -131,7 +131,7 @@ void checkNoHole(const std::vector<NumberedPoint>& rows, const std::string& file
   for (std::size_t i = 0; i < gaps_s.size(); ++i) {
     if (gaps_s[i] <= kHoleFactor * usual_s) continue;
     refuseLine(file, rows[i + 1].line,
-               fmt::format("a hole in the path: nothing between {} s and {} s, where rows come every {} s",
+               fmt::format("a hole in the path: nothing between {:g} s and {:g} s, where rows come every {:.4g} s",
                            rows[i].point.time_s, rows[i + 1].point.time_s, usual_s),
                "record the path again or fill in the missing rows");
   }

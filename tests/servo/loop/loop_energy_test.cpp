@@ -10,6 +10,7 @@
 #include "servo/devices/simulated_device.hpp"
 #include "servo/loop/run_figures.hpp"
 #include "servo/loop/servo_loop.hpp"
+#include "servo/loop/velocity_filter.hpp"
 
 namespace palpate {
 namespace loop_energy_test {
@@ -109,6 +110,29 @@ TEST(LoopEnergy, TheControllerBringsAnActiveWallToRest) {
     EXPECT_LT(computeFigures(free.records, kRate_hz).energy_min_J, -10 * bound_J);  // it had something to bring back
     EXPECT_GT(figures.damped_ticks, 0);
     EXPECT_LT(lastSwing(controlled), 0.1 * lastSwing(free));
+  }
+}
+
+// What the controller adds is its damper times the filter's velocity. The damper is a quarter of what brakes the mass,
+// 0.25 * 0.15 / (1 / 1000 + 1 / (2 pi 200)), or what answers a step of the encoders by 3 * 0.04 N.
+TEST(LoopEnergy, TheControllersDamperIsNoMoreThanMassAndEncodersBear) {
+  constexpr double kBrakes = 0.25 * 0.15 / (1e-3 + 1 / (2 * M_PI * 200));
+  for (const double encoder_m : {0.0, 1e-6, 50e-6}) {
+    const LoopResult run = pressOnWall(true, 0, encoder_m);
+    VelocityFilter step(200, kRate_hz), filter(200, kRate_hz);
+    step.reset(Vec3::Zero());
+    const double step_m_per_s = step.update({encoder_m, 0, 0}, 1).x();
+    const double most = encoder_m > 0 ? std::min(kBrakes, 3 * 0.04 / step_m_per_s) : kBrakes;
+    filter.reset(Vec3(run.records[0].hip_W[0], 0, 0));
+    double greatest = 0;
+    for (std::size_t k = 1; k < run.records.size(); ++k) {
+      const double x_m = run.records[k].hip_W[0];
+      const double velocity_m_per_s = filter.update(Vec3(x_m, 0, 0), 1).x();
+      const double added_N = run.records[k].force_W[0] - kStiffness * std::max(0.0, -x_m);
+      if (std::abs(velocity_m_per_s) > 1e-3) greatest = std::max(greatest, std::abs(added_N / velocity_m_per_s));
+    }
+    EXPECT_LT(greatest, most * (1 + 1e-6)) << encoder_m;
+    EXPECT_GT(greatest, 0.9 * most) << encoder_m;
   }
 }
 
