@@ -50,8 +50,7 @@ std::string editsInWords(const Journal& journal, const Recovered& found) {
 }
 
 void recover(const RecoverArguments& arguments) {
-  const std::string given = journalFolder(arguments.folder);
-  const std::string folder = countingJournal(given).string();
+  const std::string folder = countingJournal(journalFolder(arguments.folder)).string();
   ConvertRequest output{.in = folder, .out = arguments.out};
   checkOutput(output);
   Progress progress;
@@ -64,7 +63,7 @@ void recover(const RecoverArguments& arguments) {
   Volume volume = loadStart(arguments, source, progress);
   checkStart(journal, volume, source);
   progress.stage("applying the edits");
-  const Recovered found = recoverSession(journal, folder, given, volume);
+  const Recovered found = recoverSession(journal, folder, checkpointFolder(folder), volume);
   makeEdits(found.edits, journal.header.profile, volume, [&](double done) {
     throwIfInterrupted("palpate recover");
     progress.fraction(done);

@@ -89,7 +89,10 @@ std::vector<LeftSession> leftSessions(const std::filesystem::path& root) {
 
 void passLeftSession(const LeftSession& session) {
   if (session.damage.empty()) return dropLeftSession(session);
-  static_cast<void>(putAside(session.folder, session.folder));
+  try {
+    static_cast<void>(putAside(session.folder, session.folder));
+  } catch (const Error&) {
+  }
 }
 
 void dropLeftSession(const LeftSession& session) {

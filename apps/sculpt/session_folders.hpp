@@ -41,7 +41,7 @@ struct LeftSession {
 // Deletes the journal of a session that is not wanted any more, and its folder.
 void dropLeftSession(const LeftSession& session);
 // The edits are in another journal: the same, but a journal that was not read to its end is kept, under another name.
-// Throws Error(kIo) as putAside() does.
+// Where that cannot be, it stays, and is offered again.
 void passLeftSession(const LeftSession& session);
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -46,18 +47,23 @@ class Reading {
   explicit Reading(std::string_view bytes) : bytes_(bytes) {}
 
   void readRecords(std::size_t at, Journal& journal) {
+    const std::size_t first = at;
+    std::string fault;
     while (at < bytes_.size()) {
       const Frame frame = frameAt(bytes_.substr(at));
-      const std::string fault = take(frame, journal);
-      if (!fault.empty()) {
-        journal.damage = damageAt(at, journal.last_sequence, fault);
-        return;
-      }
+      fault = take(frame, journal);
+      if (!fault.empty()) break;
       journal.last_sequence = frame.sequence;
       at += frame.bytes;
     }
-    if (journal.base && !journal.base->is_whole)
-      journal.damage = damageAt(at, journal.last_sequence, "is missing, and the journal begins with it");
+    if (fault.empty() && base_) fault = "is missing, and the journal begins with it";
+    if (fault.empty()) return;
+    const std::string reason = fmt::format("record {} {}", journal.last_sequence + 1, fault);
+    if (base_) {  // without the rest of what it begins with nothing is of use
+      at = first;
+      journal.last_sequence = 0;
+    }
+    journal.damage = damageAt(at, journal.last_sequence, reason);
   }
 
  private:
@@ -67,11 +73,11 @@ class Reading {
     if (!frame.sound) return "has a wrong checksum";
     const auto kind = static_cast<RecordKind>(frame.kind);
     const bool is_first = journal.last_sequence == 0;
-    if (kind == RecordKind::kBricks && is_first) journal.base.emplace();
+    if (kind == RecordKind::kBricks && is_first) base_.emplace();
     // A journal that begins with bricks goes on with the numbers of the one before.
-    if (frame.sequence != journal.last_sequence + 1 && !(journal.base && is_first && frame.sequence > 0))
+    if (frame.sequence != journal.last_sequence + 1 && !(base_ && is_first && frame.sequence > 0))
       return fmt::format("is missing: {} follows", frame.sequence);
-    if (journal.base && !journal.base->is_whole) return takeBase(kind, frame, *journal.base);
+    if (base_) return takeBase(kind, frame, journal);
     if (kind == RecordKind::kStamp) {
       auto stamp = stampOf(frame.content);
       if (!stamp) return "holds no stamp";
@@ -86,14 +92,13 @@ class Reading {
     return fault;
   }
 
-  std::string takeBase(RecordKind kind, const Frame& frame, JournalBase& base) {
+  std::string takeBase(RecordKind kind, const Frame& frame, Journal& journal) {
     if (kind != RecordKind::kBricks) return "is missing, and the journal begins with it";
-    const auto bricks = bricksOf(frame.content, base.bricks);
+    const auto bricks = bricksOf(frame.content, base_->bricks);
     if (!bricks) return "holds no bricks";
-    if (base.sequence > 0 && bricks->mark != base.mark) return "holds bricks of other edits";
-    base.mark = bricks->mark;
-    base.sequence = frame.sequence;
-    base.is_whole = bricks->is_last;
+    if (journal.last_sequence > 0 && bricks->mark != base_->mark) return "holds bricks of other edits";
+    base_->mark = bricks->mark;
+    if (bricks->is_last) journal.base = *std::exchange(base_, std::nullopt);
     return "";
   }
 
@@ -138,9 +143,12 @@ class Reading {
   }
 
   // Walks from frame to frame. Where the length of one is damaged, the next that is sound is looked for.
-  [[nodiscard]] JournalDamage damageAt(std::size_t at, std::uint64_t last_sequence, const std::string& fault) const {
-    JournalDamage damage{at, bytes_.size() - at, 0, fmt::format("record {} {}", last_sequence + 1, fault)};
-    damage.is_torn_end = at < bytes_.size() && frameAt(bytes_.substr(at)).bytes == 0;
+  [[nodiscard]] JournalDamage damageAt(std::size_t at, std::uint64_t last_sequence, const std::string& reason) const {
+    JournalDamage damage{at, bytes_.size() - at, 0, reason};
+    if (at < bytes_.size()) {
+      const Frame frame = frameAt(bytes_.substr(at));  // bricks were all there before the journal had its name
+      damage.is_torn_end = frame.bytes == 0 && static_cast<RecordKind>(frame.kind) != RecordKind::kBricks;
+    }
     damage.last_sequence = last_sequence;
     while (at < bytes_.size()) {
       const Frame frame = frameAt(bytes_.substr(at));
@@ -184,6 +192,7 @@ class Reading {
   static bool usesStamp(const EditCommand& command) { return isStamp(command.kind); }
 
   std::string_view bytes_;
+  std::optional<JournalBase> base_;  // until all of it is there
   std::vector<std::shared_ptr<const Stamp>> stamps_;
   std::size_t done_ = 0;
   std::size_t undone_ = 0;

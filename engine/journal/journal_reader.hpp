@@ -39,13 +39,11 @@ struct JournalDamage {
 struct JournalBase {
   EditMark mark;
   KeptBricks bricks;
-  std::uint64_t sequence = 0;  // of its last record
-  bool is_whole = false;       // if not, nothing of the journal is of use by itself
 };
 
 struct Journal {
   JournalHeader header;
-  std::optional<JournalBase> base;
+  std::optional<JournalBase> base;     // whole; one that is not is damage from the first record on
   std::vector<JournalRecord> records;  // in order
   std::uint64_t last_sequence = 0;     // of the last sound record, stamp records included; 0: none
   std::optional<JournalDamage> damage;

@@ -31,6 +31,10 @@ fs::path countingJournal(const fs::path& folder) {
   return has_earlier && !fs::exists(holdsAllMark(folder), ignored) ? earlierFolder(folder) : folder;
 }
 
+fs::path checkpointFolder(const fs::path& folder) {
+  return folder.filename() == earlierFolder("").filename() ? folder.parent_path() : folder;
+}
+
 namespace {
 
 std::string recordWords(std::uint64_t count) {
@@ -70,7 +74,7 @@ bool goBeyond(const Journal& journal, const fs::path& checkpoints, Volume& volum
 
 // The bricks that the journal begins with. Without them none of its edits can be made.
 void putBase(const Journal& journal, Volume& volume, Recovered& found) {
-  if (!journal.base || !journal.base->is_whole || !fit(journal.base->bricks, volume)) return;
+  if (!journal.base || !fit(journal.base->bricks, volume)) return;
   putBricks(journal.base->bricks, volume);
   found.mark = journal.base->mark;
   found.held.bricks = journal.base->bricks.bricks;
@@ -86,12 +90,13 @@ void goThrough(const Journal& journal, const fs::path& checkpoints, Volume& volu
   const auto skipped = static_cast<std::ptrdiff_t>(held.edits - found.mark.edits);
   if (held.bricks.empty()) held.bricks = std::move(found.held.bricks);
   found.held = std::move(held);
-  found.before.assign(all.begin(), all.begin() + skipped);
+  const std::span<const LastingEdit> put(all.data(), static_cast<std::size_t>(skipped));
+  EditTrail trail(found.mark);
+  for (const LastingEdit& edit : put) trail.edit(edit.commands, false);
+  found.mark = *trail.mark();
+  if (!found.begins_with_bricks) found.before.assign(put.begin(), put.end());
   found.edits.assign(all.begin() + skipped, all.end());
   found.sequence = journal.last_sequence;
-  EditTrail trail(found.mark);
-  for (const LastingEdit& edit : found.before) trail.edit(edit.commands, false);
-  found.mark = *trail.mark();
 }
 
 }  // namespace

@@ -23,18 +23,20 @@ namespace palpate {
 // below, until the new one holds all of it and says so by a mark. Cost: looks for two files.
 [[nodiscard]] std::filesystem::path countingJournal(const std::filesystem::path& folder);
 [[nodiscard]] std::filesystem::path earlierFolder(const std::filesystem::path& folder);
+// Where the checkpoints of the journal in `folder` are: beside it, or above `earlier`.
+[[nodiscard]] std::filesystem::path checkpointFolder(const std::filesystem::path& folder);
 [[nodiscard]] std::filesystem::path holdsAllMark(const std::filesystem::path& folder);
 
 struct Recovered {
   JournalHeader header;
   Headstart held;                   // what the volume holds now
   EditMark mark;                    // of that
-  std::vector<LastingEdit> before;  // the edits that it holds, in order, if all of them are known: `held.edits`
+  std::vector<LastingEdit> before;  // the edits that it holds, in order; none where it begins_with_bricks
   std::vector<LastingEdit> edits;   // to be made after them
   std::uint64_t sequence = 0;       // of the last record that counts
   std::uint64_t lost_records = 0;   // later ones; a record that was being written when the session died is none
   std::string loss;                 // what cannot be read, and what was done about it, in words; empty: nothing
-  // The volume holds edits that are not in `before`: a journal of the next session must begin with its bricks.
+  // Not all edits that the volume holds are known, so the journal of the next session must begin with its bricks.
   bool begins_with_bricks = false;
 };
 

@@ -41,7 +41,7 @@ void makeEdits(std::span<const LastingEdit> edits, const BrushProfile& profile, 
 
 void replay(const Journal& journal, Volume& volume, const std::function<void(double)>& before_each) {
   checkStart(journal, volume, volume.facts().source);
-  if (journal.base) putBricks(journal.base->bricks, volume);
+  if (journal.base && fit(journal.base->bricks, volume)) putBricks(journal.base->bricks, volume);
   makeEdits(lastingEdits(journal), journal.header.profile, volume, before_each);
 }
 

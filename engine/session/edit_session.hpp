@@ -60,7 +60,7 @@ class EditSession {
   void keepAbreast();
   [[nodiscard]] bool keepsAbreast() const noexcept { return keeps_abreast_; }
   // Writes checkpoints into `folder`, in the saver's thread. After keepJournal() and keepAbreast(), before the first
-  // edit. `before`: the edits of `edits_before`, which go into the journal, unless that begins with what they made;
+  // edit. `before`: the edits of `edits_before`, which go into the journal; none if that begins with what they made.
   // `held`: what putCheckpoint() said of them. `told`: CheckpointKeeper.
   void keepCheckpoints(const std::filesystem::path& folder, std::span<const LastingEdit> before, const Headstart& held,
                        std::function<void(const std::string&)> told,

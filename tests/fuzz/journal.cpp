@@ -67,7 +67,7 @@ std::string withSoundFrames(std::string_view bytes) {
 // no command uses are left out.
 std::string writtenAnew(const Journal& journal) {
   std::string bytes = headerBytes(journal.header);
-  if (journal.base && journal.base->is_whole) {
+  if (journal.base) {
     const KeptBricks& bricks = journal.base->bricks;
     ByteWriter content;
     content.add(journal.base->mark.edits);

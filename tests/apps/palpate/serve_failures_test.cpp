@@ -122,16 +122,21 @@ TEST_F(ServeFailures, GoesOnFromACheckpointBeyondTheDamage) {
   ASSERT_NE(at, std::string::npos);
   bytes[at + 20] = static_cast<char>(bytes[at + 20] ^ 1);
   std::ofstream(file_of_journal, std::ios::binary) << bytes;
-  const std::uint64_t content = contentHash(loadVolume(file("before.vdb").string()));
+  std::uint64_t content = contentHash(loadVolume(file("before.vdb").string()));
   const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
   EXPECT_THAT(recovered.out, HasSubstr("A checkpoint has the edits up to record"));
   EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), content);
-  for (int start = 0; start < 2; ++start) {
+  // Each start goes on from the last one's journal, which begins with bricks, and from the checkpoint that it wrote.
+  for (int start = 0; start < 4; ++start) {
     serve({"phantom:sphere?size=96", "--journal", "journal"});
     ASSERT_TRUE(awaitService());
     EXPECT_EQ(status()["lost_records"], 0);
     expectSuccess(ctl({"save", "after.vdb"}));
     EXPECT_EQ(contentHash(loadVolume(file("after.vdb").string())), content) << start;
+    for (int n = 0; n < 10; ++n)
+      expectSuccess(ctl({"edit", fmt::format("add:radius=6mm:at={},{},30mm", 2 * n - 10, 3 * start)}));
+    expectSuccess(ctl({"save", "more.vdb"}));
+    content = contentHash(loadVolume(file("more.vdb").string()));
     engine.end(SIGKILL);
   }
   EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);

@@ -104,7 +104,7 @@ TEST_F(Recovery, OfAWholeJournalHasEveryEdit) {
 // long it is) or its content.
 TEST_F(Recovery, GoesOnFromACheckpointBeyondTheDamage) {
   for (std::size_t hit = 1; hit <= kEdits; ++hit) {
-    for (const std::size_t byte : {std::size_t{0}, std::size_t{2}, std::size_t{5}, std::size_t{9}, std::size_t{25}}) {
+    for (const std::size_t byte : {std::size_t{0}, std::size_t{5}, std::size_t{25}}) {
       for (const std::size_t at : {std::size_t{0}, hit / 2, hit - 1, hit, std::min(hit + 3, kEdits), kEdits}) {
         fs::remove(checkpointFile(folder_.path(), 1));
         damage(hit, byte);
@@ -178,7 +178,7 @@ TEST_F(Recovery, IsTheBeginningOfTheNextJournal) {
     for (const LastingEdit& edit : found_.edits) writer.edit(edit.commands);
   }
   const Journal journal = readJournal(next.path());
-  ASSERT_TRUE(journal.base && journal.base->is_whole);
+  ASSERT_TRUE(journal.base);
   EXPECT_EQ(journal.base->mark, marks_[10]);
   EXPECT_FALSE(journal.damage);
   for (const bool with_checkpoint : {false, true}) {
@@ -186,6 +186,7 @@ TEST_F(Recovery, IsTheBeginningOfTheNextJournal) {
     Volume back = sampleVolume();
     const Recovered again = recoverSession(journal, next.path(), next.path(), back);
     EXPECT_EQ(again.held.edits, with_checkpoint ? 18U : 10U);
+    EXPECT_TRUE(again.before.empty());  // they are in the bricks, and are not to be made again
     EXPECT_TRUE(again.begins_with_bricks);
     makeEdits(again.edits, header_.profile, back);
     EXPECT_EQ(contentHash(back), states_[kEdits]);
@@ -237,6 +238,8 @@ TEST_F(Recovery, TheEarlierJournalCountsUntilTheMark) {
   EXPECT_EQ(countingJournal(folder_.path()), folder_.path());
   std::ofstream(journalFile(earlierFolder(folder_.path()))) << "x";
   EXPECT_EQ(countingJournal(folder_.path()), earlierFolder(folder_.path()));
+  EXPECT_EQ(checkpointFolder(earlierFolder(folder_.path())), folder_.path());
+  EXPECT_EQ(checkpointFolder(folder_.path()), folder_.path());
   std::ofstream(holdsAllMark(folder_.path())) << "";
   EXPECT_EQ(countingJournal(folder_.path()), folder_.path());
 }

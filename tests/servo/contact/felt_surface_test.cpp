@@ -169,6 +169,23 @@ TEST(FeltSurface, SamplesAreReadOnTheVolumesSurface) {
   EXPECT_NEAR(felt.depth_m, kDepth - 1e-3, 1e-12);
 }
 
+// All along a slide: the curvature is that of the volume's surface, 1 / R, not of a shell as far below it as above.
+TEST(FeltSurface, WhileDepthIsTakenInItBendsAsTheVolumesSurface) {
+  Slide slide(0);
+  constexpr double kEased = 2e-3;
+  for (int tick = 0; tick < 160; ++tick) {
+    const Vec3 n_W = slide.normal(tick).normalized();
+    const FeltPoint& felt = slide.surface.feel({.hip_W = n_W * (kRadius - kDepth),
+                                                .plane = {n_W * (kRadius - kEased), n_W, 0},
+                                                .eased_m = kEased,
+                                                .begins = tick == 0,
+                                                .window = &slide.held.window});
+    const Vec3 q = n_W.cross(Vec3::UnitY()).normalized();
+    EXPECT_NEAR((felt.shape.apply(q) * kRadius - q).norm(), 0, 0.05) << tick;
+    EXPECT_NEAR((felt.now_W - n_W * kRadius).norm(), 0, 0.05 * kVoxel) << tick;
+  }
+}
+
 // Where another object holds the tool, or nothing is known, it is the plane, and flat; nothing of the volume is read.
 TEST(FeltSurface, WithoutTheVolumeItIsThePlane) {
   Slide slide(0);
