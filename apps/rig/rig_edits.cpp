@@ -246,8 +246,9 @@ void RigEdits::listen() {
     for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
   }
   const JournalWriter* journal = session_.journal();
-  if (journal == nullptr || journal_failed_ || !journal->failed()) return;
-  journal_failed_ = true;
+  if (journal == nullptr || journal->failed() == journal_failed_) return;
+  journal_failed_ = !journal_failed_;
+  if (!journal_failed_) return tell_("the journal is kept again, and holds every edit made until now");
   tell(journal->failure(), Again::kTell);
 }
 

@@ -39,8 +39,12 @@ void flush(const fs::path& folder) {
   if (const int failure = flushFolder(folder); failure != 0) refuseFolder(folder, std::strerror(failure));
 }
 
+fs::path lockFile(const fs::path& folder) {
+  return folder / "in-use";
+}
+
 Descriptor lockOf(const fs::path& folder) {
-  const fs::path file = folder / "in-use";
+  const fs::path file = lockFile(folder);
   Descriptor lock(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
   if (!lock) refuseFolder(folder, std::strerror(errno));
   if (!isOurs(file, lock.get()))
@@ -64,7 +68,9 @@ KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
     drop(journalFile(folder_));  // begun by one that was killed while it made the edits again
   }
   if (!holdsJournal(earlier) && holdsJournal(folder_)) {
-    // First the mark: it would say that the journal which is put aside is not needed.
+    // First the mark: it would say that the journal which is put aside is not needed. But not before the disk has
+    // forgotten the one that the mark is about, which would count again.
+    if (fs::exists(earlier, ignored)) flush(earlier);
     drop(holdsAllMark(folder_));
     flush(folder_);
     if (const int failure = makeFolder(earlier, Rights::kPrivate); failure != 0)
@@ -76,6 +82,10 @@ KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
     flush(folder_);
   }
   if (holdsJournal(earlier)) earlier_ = earlier;
+}
+
+void KeptJournal::lockAgain() {
+  if (!folder_.empty() && !isNameOf(lockFile(folder_), lock_.get())) lock_ = lockOf(folder_);
 }
 
 fs::path KeptJournal::takeOver(bool was_read_whole) {

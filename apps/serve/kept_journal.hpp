@@ -24,6 +24,8 @@ class KeptJournal {
   // one is deleted, or put aside where something of it could not be read; then its new place is returned. Throws
   // Error(kIo): then the earlier one counts.
   std::filesystem::path takeOver(bool was_read_whole);
+  // Locks the folder again if somebody has removed it, once it is there anew. Throws Error(kIo) as the constructor.
+  void lockAgain();
 
  private:
   std::filesystem::path folder_, earlier_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/served_engine.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "apps/convert/convert_job.hpp"
@@ -76,7 +78,7 @@ void checkServable(const Scene& scene) {
 
 ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& journal, Progress& progress,
                            const Tell& tell, const LiveVolumeRequest::Look& look)
-    : filter_(scene.filter) {
+    : tell_(tell), filter_(scene.filter) {
   journal_.emplace(journal);
   const Plan plan = servedPlan(scene);
   live_.emplace(LiveVolumeRequest{.volume = scene.volume,
@@ -95,10 +97,7 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
                                   .outlives_its_engine = true,
                                   .work = "palpate serve"},
                 progress, tell);
-  if (live_->journalFailure().empty()) {
-    if (const auto aside = journal_->takeOver(live_->loss().empty()); !aside.empty())
-      tell(fmt::format("the journal that could not be read to its end is kept as {}", aside.string()));
-  }
+  if (live_->journalFailure().empty()) takeOver();
   const Volume& volume = live_->volume();
   size_ = volume.size();
   lattice_ = volume.lattice();
@@ -106,6 +105,28 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
   seen_ = objectExtent(engine.bounds(), BrickGrid{size_, lattice_.spacing_m}, lattice_,
                        static_cast<float>(engine.isovalue()), {}, engine.filters() ? nullptr : &volume);
   noteFelt(plan);
+}
+
+void ServedEngine::takeOver() {
+  if (const auto aside = journal_->takeOver(live_->loss().empty()); !aside.empty())
+    tell_(fmt::format("the journal that could not be read to its end is kept as {}", aside.string()));
+  journal_counts_ = true;
+}
+
+void ServedEngine::lookAfterJournal(std::int64_t now_ns) {
+  const JournalWriter* const journal = live_->session().journal();
+  if (journal == nullptr) return;
+  if (journal->failed()) journal_counts_ = false;
+  if (journal->failed() || journal_counts_ || now_ns < next_take_over_ns_) return;
+  constexpr std::int64_t kAgain_ns = 1'000'000'000;
+  next_take_over_ns_ = now_ns + kAgain_ns;
+  try {
+    journal_->lockAgain();
+    takeOver();
+  } catch (const Error& error) {
+    if (std::exchange(told_, error.what()) != error.what())
+      tell_(fmt::format("the journal would not count at the next start: {}", error.what()));
+  }
 }
 
 void ServedEngine::makeAnew(const Scene& scene) {

@@ -43,6 +43,9 @@ class ServedEngine {
   // LiveVolume::makeEngineAnew().
   void makeAnew(const Scene& scene);
 
+  // Call it often, in the engine's thread: a journal that failed may have begun anew, and then counts.
+  void lookAfterJournal(std::int64_t now_ns);
+
   [[nodiscard]] LiveVolume& live() noexcept { return *live_; }
   [[nodiscard]] const LiveVolume& live() const noexcept { return *live_; }
   [[nodiscard]] const Vec3i& size() const noexcept { return size_; }
@@ -56,9 +59,14 @@ class ServedEngine {
 
  private:
   void noteFelt(const Plan& plan);
+  void takeOver();
 
+  const Tell tell_;
   std::optional<KeptJournal> journal_;  // held as long as the session writes to it
   std::optional<LiveVolume> live_;
+  bool journal_counts_ = false;  // and holds what the earlier one had
+  std::int64_t next_take_over_ns_ = 0;
+  std::string told_;  // why it does not
   std::string filter_;
   Vec3i size_;
   Lattice lattice_;

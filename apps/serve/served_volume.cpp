@@ -264,6 +264,7 @@ void ServedVolume::lookAlone() {
 bool ServedVolume::lookAround(std::int64_t now_ns) {
   looked_at_ns_.store(monotonicNow_ns(), std::memory_order_relaxed);
   settle();
+  engine_->lookAfterJournal(now_ns);
   const Engine& engine = engine_->live().engine();
   if (engine.broken()) return false;  // drawn by the next one
   const std::uint64_t version = engine.editVersion();

@@ -2,6 +2,7 @@
 #include "engine/journal/journal_format.hpp"
 
 #include <algorithm>
+#include <random>
 
 #include <fmt/format.h>
 
@@ -100,6 +101,28 @@ bool getCommand(ByteReader& in, EditCommand& c, std::span<const std::shared_ptr<
 }
 
 }  // namespace
+
+std::uint64_t randomId() {
+  std::random_device random;
+  return std::uint64_t{random()} << 32U | random() | 1;
+}
+
+bool RecordOrder::follow(RecordKind kind) noexcept {
+  if (kind == RecordKind::kUndo) {
+    if (done_ == 0) return false;
+    --done_;
+    ++undone_;
+  } else if (kind == RecordKind::kRedo) {
+    if (undone_ == 0) return false;
+    --undone_;
+    ++done_;
+  } else {
+    if (kind == RecordKind::kEditOn && done_ == 0) return false;
+    ++done_;
+    undone_ = 0;
+  }
+  return true;
+}
 
 std::string headerBytes(const JournalHeader& header) {
   ByteWriter content;

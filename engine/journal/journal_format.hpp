@@ -40,6 +40,9 @@ struct EditMark {
   bool operator==(const EditMark&) const = default;
 };
 
+// For an id or a hash that no other journal or state has. Never 0.
+[[nodiscard]] std::uint64_t randomId();
+
 enum class RecordKind : std::uint32_t {
   kEdit = 1,    // the commands of one Editor::apply()
   kUndo = 2,    // undoes the last edit that is in effect
@@ -47,6 +50,18 @@ enum class RecordKind : std::uint32_t {
   kStamp = 4,   // a mesh, which later commands name by its number
   kEditOn = 5,  // as kEdit, of a person's stroke that goes on: undone together with the edit before it
   kBricks = 6,  // what edits before this journal have made of the volume; only at its beginning, one or several
+};
+
+// Which edits, undos and redos can follow one another in a journal: an undo takes back an edit that the journal has, a
+// redo makes one again that was undone since the last edit.
+class RecordOrder {
+ public:
+  // Whether a record of this kind can come next; if so, it has come.
+  [[nodiscard]] bool follow(RecordKind kind) noexcept;
+  [[nodiscard]] std::uint64_t done() const noexcept { return done_; }  // edits in effect
+
+ private:
+  std::uint64_t done_ = 0, undone_ = 0;
 };
 
 inline constexpr std::size_t kRecordHead = 16;                // length, kind, sequence number [byte]

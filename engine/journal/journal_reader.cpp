@@ -84,12 +84,16 @@ class Reading {
       stamps_.push_back(std::move(stamp));
       return "";
     }
-    if (kind == RecordKind::kEditOn && done_ == 0) return "goes on with what was not done";
     JournalRecord record;
     std::string fault = decode(frame, record);
-    if (fault.empty()) fault = follow(record.kind);
-    if (fault.empty()) journal.records.push_back(std::move(record));
-    return fault;
+    if (!fault.empty()) return fault;
+    if (!order_.follow(kind)) {
+      return kind == RecordKind::kEditOn ? "goes on with what was not done"
+             : kind == RecordKind::kUndo ? "undoes what was not done"
+                                         : "does again what was not undone";
+    }
+    journal.records.push_back(std::move(record));
+    return "";
   }
 
   std::string takeBase(RecordKind kind, const Frame& frame, Journal& journal) {
@@ -122,33 +126,10 @@ class Reading {
     }
   }
 
-  // Whether the record can follow those before it.
-  std::string follow(RecordKind kind) {
-    switch (kind) {
-      case RecordKind::kUndo:
-        if (done_ == 0) return "undoes what was not done";
-        --done_;
-        ++undone_;
-        return "";
-      case RecordKind::kRedo:
-        if (undone_ == 0) return "does again what was not undone";
-        ++done_;
-        --undone_;
-        return "";
-      default:
-        ++done_;
-        undone_ = 0;
-        return "";
-    }
-  }
-
   // Walks from frame to frame. Where the length of one is damaged, the next that is sound is looked for.
   [[nodiscard]] JournalDamage damageAt(std::size_t at, std::uint64_t last_sequence, const std::string& reason) const {
     JournalDamage damage{at, bytes_.size() - at, 0, reason};
-    if (at < bytes_.size()) {
-      const Frame frame = frameAt(bytes_.substr(at));  // bricks were all there before the journal had its name
-      damage.is_torn_end = frame.bytes == 0 && static_cast<RecordKind>(frame.kind) != RecordKind::kBricks;
-    }
+    if (at < bytes_.size()) damage.is_torn_end = isTornEnd(at);
     damage.last_sequence = last_sequence;
     while (at < bytes_.size()) {
       const Frame frame = frameAt(bytes_.substr(at));
@@ -166,6 +147,17 @@ class Reading {
       at += frame.bytes;
     }
     return damage;
+  }
+
+  // Whether the record there may have been cut off as it was written: by the file's end, or, after a power cut, by
+  // zeros up to the end, where the file had got its length and not yet its bytes. What a journal begins with was there
+  // before it had its name.
+  [[nodiscard]] bool isTornEnd(std::size_t at) const {
+    constexpr std::size_t kFewestZeros = 8;  // more than a sound record can end in by its checksum
+    const Frame frame = frameAt(bytes_.substr(at));
+    const std::size_t zeros = bytes_.size() - (bytes_.find_last_not_of('\0') + 1);  // npos + 1 is 0
+    const bool ends_in_zeros = zeros >= kFewestZeros && bytes_.size() - zeros < at + frame.bytes;
+    return static_cast<RecordKind>(frame.kind) != RecordKind::kBricks && (frame.bytes == 0 || ends_in_zeros);
   }
 
   [[nodiscard]] std::size_t behindDamage(std::size_t at, const Frame& frame, std::uint64_t number) const {
@@ -194,8 +186,7 @@ class Reading {
   std::string_view bytes_;
   std::optional<JournalBase> base_;  // until all of it is there
   std::vector<std::shared_ptr<const Stamp>> stamps_;
-  std::size_t done_ = 0;
-  std::size_t undone_ = 0;
+  RecordOrder order_;
 };
 
 // Uses system calls: a C++ stream just ends when reading fails, or throws an exception that says nothing of the file.

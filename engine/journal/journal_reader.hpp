@@ -27,8 +27,8 @@ struct JournalDamage {
   std::uint64_t records = 0;        // records recognised there, the damaged one included
   std::string reason;               // "record 7 is cut short"
   std::uint64_t last_sequence = 0;  // the highest number that a record there has, or must have
-  // The record is the last, and its end is missing: so a session that is killed while it writes leaves it, and nobody
-  // was told that it is saved.
+  // The record is the last, and its end is missing or zeros: so a session that is killed while it writes leaves it, or
+  // whose power is cut. Nobody was told that it is saved.
   bool is_torn_end = false;
   // Sound records behind the damage, in order, but for those that use a stamp. A volume that a checkpoint has from
   // beyond the damage may go on with them.

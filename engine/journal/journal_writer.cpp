@@ -28,18 +28,29 @@ namespace fs = std::filesystem;
 constexpr std::chrono::seconds kLookAtFile{1};
 constexpr const char* kGone = "it is not where it was";
 
-// Writes the records and counts them and their bytes. A failure: as an errno value.
-int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint64_t& sequence, std::uint64_t& bytes) {
+constexpr const char* kBehind = "an undo or redo is of edits that it began with, and it cannot begin anew";
+
+// How many records the bricks fill that a journal begins with.
+std::uint64_t recordsFor(std::size_t bricks) {
   constexpr std::size_t kBricksInARecord = std::size_t{1} << 14U;  // 32 MiB
+  return std::max<std::uint64_t>(1, (bricks + kBricksInARecord - 1) / kBricksInARecord);
+}
+
+// Writes them as so many records, the last of which has the number `last`, and counts their bytes. A failure: as an
+// errno value.
+int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint64_t records, std::uint64_t last,
+                   std::uint64_t& bytes) {
   std::span<const std::uint32_t> rest = beginning.bricks;
-  do {
-    const auto piece = rest.first(std::min(rest.size(), kBricksInARecord));
-    rest = rest.subspan(piece.size());
-    const std::string record = recordBytes(RecordKind::kBricks, ++sequence,
-                                           bricksContent(beginning.mark, rest.empty(), *beginning.volume, piece));
+  const std::size_t piece = (rest.size() + records - 1) / records;
+  for (std::uint64_t number = last - records + 1; number <= last; ++number) {
+    const auto bricks = rest.first(std::min(rest.size(), piece));
+    rest = rest.subspan(bricks.size());
+    const std::string content = bricksContent(beginning.mark, number == last, *beginning.volume, bricks);
+    if (content.size() > kLongestRecord) return EFBIG;
+    const std::string record = recordBytes(RecordKind::kBricks, number, content);
     bytes += record.size();
     if (const int failed = writeAll(descriptor, record); failed != 0) return failed;
-  } while (!rest.empty());
+  }
   return 0;
 }
 
@@ -47,19 +58,39 @@ int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint6
 
 JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header, JournalOptions options,
                              const std::optional<JournalBeginning>& beginning)
-    : file_(journalFile(folder)), options_(std::move(options)) {
+    : file_(journalFile(folder)), header_bytes_(headerBytes(header)), options_(std::move(options)) {
+  if (beginning) sequence_ = recordsFor(beginning->bricks.size());
+  Made made = makeFile(beginning ? &*beginning : nullptr, sequence_, Takes::kFreeName);
+  if (made.unflushed != 0) {
+    unlink(file_.c_str());
+    refuseFile(folder, made.unflushed);
+  }
+  descriptor_ = std::move(made.descriptor);
+  leftover_ = std::move(made.leftover);
+  bytes_ = made.bytes;
+  if (beginning) leftover_.release();  // it is worth keeping without a record
+  acknowledged_ = sequence_;
+  queued_ = on_disk_ = {sequence_, beginning ? beginning->mark.edits : 0};
+  thread_ = std::thread([this] { work(); });
+}
+
+// The file is written under a temporary name first, so that a journal without a header never exists.
+JournalWriter::Made JournalWriter::makeFile(const JournalBeginning* beginning, std::uint64_t last, Takes takes) const {
+  const fs::path folder = file_.parent_path();
   if (const int unmade = makeFolder(folder, Rights::kPrivate); unmade != 0) refuseFile(folder, unmade);
-  const std::string bytes = headerBytes(header);
-  // The header is written to a temporary name first, so that a journal without a header never exists.
   PartFile draft = openPartFile(file_, Rights::kPrivate);
   if (draft.descriptor < 0) refuseFile(file_, draft.error);
-  descriptor_ = draft.descriptor;
-  int failed = writeAll(descriptor_, bytes);
-  std::uint64_t length = bytes.size();
-  if (failed == 0 && beginning) failed = writeBeginning(descriptor_, *beginning, sequence_, length);
-  if (failed == 0 && fsync(descriptor_) != 0) failed = errno;
-  if (failed == 0) {
-    leftover_ = Leftover::file([&] {
+  Made made{.descriptor = Descriptor(draft.descriptor), .bytes = header_bytes_.size()};
+  int failed = writeAll(made.descriptor.get(), header_bytes_);
+  if (failed == 0 && last > 0) {
+    const std::uint64_t records = std::min(recordsFor(beginning->bricks.size()), last);
+    failed = writeBeginning(made.descriptor.get(), *beginning, records, last, made.bytes);
+  }
+  if (failed == 0 && fsync(made.descriptor.get()) != 0) failed = errno;
+  if (failed == 0 && takes == Takes::kOwnName) {
+    if (rename(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
+  } else if (failed == 0) {
+    made.leftover = Leftover::file([&] {
       // link() never replaces an existing journal.
       if (link(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
       return failed == 0 ? file_ : fs::path();
@@ -67,22 +98,12 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
   }
   unlink(draft.name.c_str());
   draft.leftover.release();
-  if (failed != 0) {
-    ::close(descriptor_);
-    if (failed != EEXIST) refuseFile(file_, failed);
+  if (failed == EEXIST)
     throw Error(Error::Code::kBadInput, folder.string(), "it holds the journal of another session",
                 "recover that with 'palpate recover', or choose another folder with --journal");
-  }
-  if (const int unflushed = flushFolder(folder); unflushed != 0) {
-    ::close(descriptor_);
-    unlink(file_.c_str());
-    refuseFile(folder, unflushed);
-  }
-  bytes_ = length;
-  if (beginning) leftover_.release();  // it is worth keeping without a record
-  acknowledged_ = sequence_;
-  queued_ = on_disk_ = {sequence_, beginning ? beginning->mark.edits : 0};
-  thread_ = std::thread([this] { work(); });
+  if (failed != 0) refuseFile(file_, failed);
+  made.unflushed = flushFolder(folder);
+  return made;
 }
 
 JournalWriter::~JournalWriter() {
@@ -91,18 +112,21 @@ JournalWriter::~JournalWriter() {
 
 template <typename Work>
 std::uint64_t JournalWriter::appendOrEnd(const Work& work) noexcept {
-  if (failed()) return ++sequence_;  // never acknowledged
+  if (!gathers_ && failed()) return ++sequence_;  // never acknowledged
+  const std::uint64_t before = sequence_;
   try {
     work();
   } catch (...) {
-    ++sequence_;
-    end("there was no memory for a record", ENOMEM);
+    sequence_ = std::max(sequence_, before + 1);
+    flushAndEnd("there was no memory for a record", ENOMEM);
   }
   return sequence_;
 }
 
 std::uint64_t JournalWriter::edit(std::span<const EditCommand> commands, RecordKind kind) noexcept {
-  return appendOrEnd([&] { append(kind, editContent(commands, stampNumbers(commands))); });
+  // What it would go on with may be something that the journal began with.
+  const RecordKind known = order_.done() == 0 ? RecordKind::kEdit : kind;
+  return appendOrEnd([&] { append(known, editContent(commands, stampNumbers(commands))); });
 }
 std::uint64_t JournalWriter::undo() noexcept {
   return appendOrEnd([&] { append(RecordKind::kUndo, {}); });
@@ -128,19 +152,35 @@ std::vector<std::uint32_t> JournalWriter::stampNumbers(std::span<const EditComma
 }
 
 void JournalWriter::append(RecordKind kind, std::string_view content) {
+  if (kind != RecordKind::kStamp && !order_.follow(kind)) {
+    flush();
+    ++sequence_;
+    is_behind_ = !failed();
+    return stopTaking();
+  }
   const std::string bytes = recordBytes(kind, sequence_ + 1, content);
   std::unique_lock lock(mutex_);
-  const auto room = [&] { return queue_.empty() || queue_.size() + bytes.size() <= options_.queue_bytes; };
-  if (!room() && !ended_) {
+  const bool has_room = makeRoom(lock, bytes.size());
+  if (has_room) queue_ += bytes;
+  ++sequence_;
+  if (!has_room) return;
+  queued_ = {sequence_, queued_.edit + (kind == RecordKind::kStamp ? 0 : 1)};
+  wake_.notify_one();
+}
+
+// False: the journal has ended.
+bool JournalWriter::makeRoom(std::unique_lock<std::mutex>& lock, std::size_t bytes) {
+  const auto room = [&] { return queue_.empty() || queue_.size() + bytes <= options_.queue_bytes; };
+  if (gathers_ && !room()) {  // nobody takes anything out of it yet, and an edit does not wait for that
+    gathers_ = false;
+    queue_.clear();
+    noteFailure("its queue was full before it had begun anew", ENOMEM);
+  } else if (!room() && !ended_) {
     hurry_ = true;
     wake_.notify_one();
     progress_.wait(lock, [&] { return room() || ended_; });
   }
-  if (!ended_) queue_ += bytes;
-  ++sequence_;
-  if (ended_) return;
-  queued_ = {sequence_, queued_.edit + (kind == RecordKind::kStamp ? 0 : 1)};
-  wake_.notify_one();
+  return gathers_ || !ended_;
 }
 
 void JournalWriter::work() {
@@ -148,8 +188,8 @@ void JournalWriter::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
     // Now and then it looks whether its file is there, also when nothing comes.
-    if (!wake_.wait_for(lock, kLookAtFile, [&] { return !queue_.empty() || closing_; })) {
-      if (isNameOf(file_, descriptor_)) continue;
+    if (!wake_.wait_for(lock, kLookAtFile, [&] { return !queue_.empty() || closing_ || ended_; })) {
+      if (isNameOf(file_, descriptor_.get())) continue;
       lock.unlock();
       fail(kGone, ENOENT);
       lock.lock();
@@ -157,7 +197,7 @@ void JournalWriter::work() {
       progress_.notify_all();
       return;
     }
-    if (queue_.empty()) return;
+    if (ended_ || queue_.empty()) return;
     wake_.wait_for(lock, options_.gather, [&] { return closing_ || hurry_ || queue_.size() >= options_.queue_bytes; });
     hurry_ = false;
     const std::string group = std::exchange(queue_, {});
@@ -176,34 +216,106 @@ void JournalWriter::work() {
     ended_ = !saved;
     progress_.notify_all();
     if (!saved) {
-      queue_.clear();
+      if (!gathers_) queue_.clear();
       return;
     }
   }
 }
 
 bool JournalWriter::writeGroup(const std::string& group) {
-  int error = writeAll(descriptor_, group);
-  if (error == 0 && fdatasync(descriptor_) != 0) error = errno;
-  if (error == 0 && isNameOf(file_, descriptor_)) return true;
+  int error = writeAll(descriptor_.get(), group);
+  if (error == 0 && fdatasync(descriptor_.get()) != 0) error = errno;
+  if (error == 0 && isNameOf(file_, descriptor_.get())) return true;
   if (error == 0) {  // written, but nobody will find it
     fail(kGone, ENOENT);
     return false;
   }
   // If even this fails, the reader finds a record that is cut short. It then recovers the same and reports the loss.
-  if (ftruncate(descriptor_, static_cast<off_t>(bytes_.load())) == 0) static_cast<void>(fdatasync(descriptor_));
+  if (ftruncate(descriptor_.get(), static_cast<off_t>(bytes_.load())) == 0)
+    static_cast<void>(fdatasync(descriptor_.get()));
   fail("it cannot be written", error);
   return false;
 }
 
-// Flushes first, so that it is known up to which edit all is saved.
 void JournalWriter::end(const char* what, int error) noexcept {
+  ended_for_good_ = true;
+  flushAndEnd(what, error);
+}
+
+// Flushes first, so that it is known up to which edit all is saved.
+void JournalWriter::flushAndEnd(const char* what, int error) noexcept {
   flush();
   fail(what, error);
+  stopTaking();
+}
+
+void JournalWriter::stopTaking() noexcept {
+  const std::lock_guard lock(mutex_);
+  if (gathers_.exchange(false)) queue_.clear();
+  ended_ = true;
+  wake_.notify_one();
+}
+
+void JournalWriter::gatherAnew(std::uint64_t edits) noexcept {
+  const std::lock_guard lock(mutex_);
+  queue_.clear();
+  stamp_numbers_.clear();
+  order_ = {};
+  queued_ = anew_ = {sequence_, edits};
+  gathers_ = true;
+  is_behind_ = false;
+}
+
+void JournalWriter::beginAnew(const JournalBeginning& beginning) {
+  stopThread();
+  try {
+    const Takes takes = isNameOf(file_, descriptor_.get()) ? Takes::kOwnName : Takes::kFreeName;
+    Made made = makeFile(&beginning, anew_.record, takes);
+    descriptor_ = std::move(made.descriptor);
+    leftover_ = std::move(made.leftover);
+    if (anew_.record > 0) leftover_.release();
+    bytes_ = made.bytes;
+    // After a power cut there may be the old file or the new one. Either has what is acknowledged until now.
+    if (made.unflushed != 0) refuseFile(file_.parent_path(), made.unflushed);
+  } catch (...) {
+    fail(kBehind, 0);  // if it had not failed before
+    stopTaking();
+    throw;
+  }
+  const std::uint64_t record = anew_.record;
+  {
+    const std::lock_guard lock(mutex_);
+    on_disk_ = anew_;
+    acknowledged_.store(record, std::memory_order_release);
+    if (gathers_) {  // else records that followed are lost again
+      failure_ = nullptr;
+      ended_ = false;
+      failed_.store(false, std::memory_order_release);  // before the next line: appendOrEnd()
+      gathers_ = false;
+      thread_ = std::thread([this] { work(); });
+    }
+  }
+  if (options_.on_acknowledged) options_.on_acknowledged(record);
+}
+
+void JournalWriter::stopThread() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+    wake_.notify_one();
+  }
+  thread_.join();
+  closing_ = false;
 }
 
 void JournalWriter::fail(const char* what, int error) noexcept {
   const std::lock_guard lock(mutex_);
+  noteFailure(what, error);
+}
+
+// Under the lock. The first one counts.
+void JournalWriter::noteFailure(const char* what, int error) noexcept {
   if (failure_ != nullptr) return;
   failure_ = what;
   failure_error_ = error;
@@ -219,39 +331,38 @@ std::string JournalWriter::failure() const {
         "volume itself",
         file_.string());
   const std::string record = on_disk_.edit == 0 ? "" : fmt::format(" (record {} of the journal)", on_disk_.record);
+  if (failure_ == kBehind)
+    return fmt::format("{}: {}; edits after number {}{} are not saved: save the volume itself", file_.string(),
+                       failure_, on_disk_.edit, record);
   return fmt::format("{}: {} ({}); edits after number {}{} are not saved: {}save the volume itself", file_.string(),
                      failure_, std::strerror(failure_error_), on_disk_.edit, record,
                      failure_error_ == ENOMEM ? "" : "make room and ");
 }
 
-void JournalWriter::flush() {
+bool JournalWriter::flush() {
   std::unique_lock lock(mutex_);
   hurry_ = !queue_.empty();
   wake_.notify_one();
   progress_.wait(lock, [&] { return on_disk_.record >= queued_.record || ended_; });
+  return !failed() && on_disk_.record == sequence_;
 }
 
 void JournalWriter::close() {
-  if (!thread_.joinable()) return;
-  {
-    const std::lock_guard lock(mutex_);
-    closing_ = true;
-    wake_.notify_one();
-  }
-  thread_.join();
-  if (failed() && acknowledged() == 0) drop();
+  stopThread();
   leftover_.release();
-  ::close(std::exchange(descriptor_, -1));
-}
-
-void JournalWriter::drop() noexcept {
-  if (!std::exchange(dropped_, true)) unlink(file_.c_str());
-  bytes_ = 0;
+  if (is_behind_) fail(kBehind, 0);
+  if (failed()) dropEmpty();
 }
 
 void JournalWriter::closeAndDropEmpty() {
   close();
-  if (acknowledged() == 0) drop();
+  dropEmpty();
+}
+
+void JournalWriter::dropEmpty() noexcept {
+  if (acknowledged() > 0 || !isNameOf(file_, descriptor_.get())) return;
+  unlink(file_.c_str());
+  bytes_ = 0;
 }
 
 }  // namespace palpate

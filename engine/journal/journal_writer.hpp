@@ -10,6 +10,9 @@
 // record, since later edits without that one would lead to a different volume. Records that were queued before are
 // still saved.
 //
+// A journal that has ended can begin anew, with the volume as the edits have made it until then: a new file replaces
+// the old one, and what follows is kept again.
+//
 // Threads: one thread appends; any thread may call acknowledged(), failure() and failed(). Cost of an append: encoding
 // and a lock.
 #pragma once
@@ -29,6 +32,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "base/leftover.hpp"
 #include "engine/journal/journal_format.hpp"
 
@@ -43,7 +47,7 @@ struct JournalOptions {
 // The volume with which a journal begins, if that is another one than its header's: as earlier edits have made it.
 struct JournalBeginning {
   EditMark mark;                          // of these edits
-  const Volume* volume = nullptr;         // read in the constructor alone
+  const Volume* volume = nullptr;         // read where it is given, and not later
   std::span<const std::uint32_t> bricks;  // that they may have changed, ascending
 };
 
@@ -66,9 +70,23 @@ class JournalWriter {
   std::uint64_t undo() noexcept;
   std::uint64_t redo() noexcept;
 
-  // Saves what is queued, then ends the journal. For a caller that cannot tell whether an edit was applied. `what` and
-  // `error` (an errno value) become part of failure().
+  // Saves what is queued, then ends the journal for good. For a caller that cannot tell whether an edit was applied.
+  // `what` and `error` (an errno value) become part of failure().
   void end(const char* what, int error) noexcept;
+
+  // Whether it has ended, and may begin anew. It has, and has not failed, where an undo or redo is of what it began
+  // with: that it can only have in another beginning. Appending thread.
+  [[nodiscard]] bool canBeginAnew() const noexcept { return (failed() || is_behind_) && !ended_for_good_ && !gathers_; }
+  // From now on records queue again, and beginAnew() follows. `edits`: how many were made until now, undo and redo
+  // included. Appending thread, if canBeginAnew(). Nothing is acknowledged before beginAnew() is done, and a record
+  // that finds the queue full ends the journal as before.
+  void gatherAnew(std::uint64_t edits) noexcept;
+  // Makes a new file, which begins with the volume as it was at gatherAnew(), in place of the old one, or where that
+  // was removed. No other session's journal is replaced. Then the journal has not failed any more, and all that was
+  // appended before is acknowledged. Until it returns nothing else is called but appends, acknowledged(), failure() and
+  // failed(). Any one thread. Throws Error(kIo): then it has ended as before. Cost: writing the bricks, and waiting for
+  // the disk.
+  void beginAnew(const JournalBeginning& beginning);
 
   // Number of the newest record on disk. All records before it are on disk too.
   [[nodiscard]] std::uint64_t acknowledged() const noexcept { return acknowledged_.load(std::memory_order_acquire); }
@@ -81,7 +99,8 @@ class JournalWriter {
   [[nodiscard]] std::uint64_t appended() const noexcept { return sequence_; }   // appending thread only
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included; 0: deleted
 
-  void flush();  // waits until everything appended is acknowledged, or the journal has failed
+  // Waits until everything appended is acknowledged, or the journal has ended. Whether all is.
+  bool flush();
   // Flushes and ends; nothing may be appended afterwards. Deletes the journal if it failed before it acknowledged a
   // record.
   void close();
@@ -94,25 +113,43 @@ class JournalWriter {
     std::uint64_t record = 0;
     std::uint64_t edit = 0;  // counts undo and redo, not stamps
   };
+  // A file with a header and a beginning that has the journal's name. Throws Error.
+  struct Made {
+    Descriptor descriptor{};
+    std::uint64_t bytes = 0;
+    Leftover leftover{};  // removes a journal without a record if the program dies
+    int unflushed = 0;    // errno: why a power cut may take it away again
+  };
+  enum class Takes { kFreeName, kOwnName };
+  [[nodiscard]] Made makeFile(const JournalBeginning* beginning, std::uint64_t last, Takes takes) const;
   template <typename Work>
   std::uint64_t appendOrEnd(const Work& work) noexcept;
   void append(RecordKind kind, std::string_view content);
+  [[nodiscard]] bool makeRoom(std::unique_lock<std::mutex>& lock, std::size_t bytes);
   std::vector<std::uint32_t> stampNumbers(std::span<const EditCommand> commands);
   void work();
   bool writeGroup(const std::string& group);
   void fail(const char* what, int error) noexcept;
-  void drop() noexcept;
+  void noteFailure(const char* what, int error) noexcept;
+  void flushAndEnd(const char* what, int error) noexcept;
+  void stopTaking() noexcept;
+  void stopThread();
+  void dropEmpty() noexcept;
 
   std::filesystem::path file_;
+  std::string header_bytes_;
   JournalOptions options_;
-  int descriptor_ = -1;
-  Leftover leftover_;  // removes a journal without a record if the program dies
-  bool dropped_ = false;
+  Descriptor descriptor_;
+  Leftover leftover_;
   std::uint64_t sequence_ = 0;
+  RecordOrder order_;                                // of the records that the file has or will have
   std::map<StampKey, std::uint32_t> stamp_numbers_;  // numbers only: the stamps are not kept
   std::atomic<std::uint64_t> acknowledged_ = 0;
   std::atomic<std::uint64_t> bytes_ = 0;
   std::atomic<bool> failed_ = false;
+  std::atomic<bool> is_behind_ = false;  // canBeginAnew(), and has not failed
+  std::atomic<bool> ended_for_good_ = false;
+  std::atomic<bool> gathers_ = false;  // for a file that is being made; set and reset under the lock
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;      // wakes the writing thread: there is a record, or the end
@@ -120,9 +157,10 @@ class JournalWriter {
   std::string queue_;
   Newest queued_;   // the newest that entered the queue
   Newest on_disk_;  // the newest that is acknowledged
+  Newest anew_;     // the newest that the file which is being made begins with
   bool closing_ = false;
   bool hurry_ = false;  // an append or a flush waits, so the thread stops gathering
-  bool ended_ = false;  // the thread takes nothing more
+  bool ended_ = false;  // the thread takes nothing more, and goes
   // failure() makes its text from these: when memory runs out there is none for a text.
   const char* failure_ = nullptr;  // what failed; null: nothing
   int failure_error_ = 0;

@@ -46,14 +46,13 @@ std::string recordWords(std::uint64_t count) {
 std::vector<LastingEdit> editsAfter(std::uint64_t sequence, std::span<const JournalRecord> records,
                                     std::uint64_t& last) {
   Journal following;
-  std::size_t done = 0, undone = 0;
+  RecordOrder order;
   last = sequence;
   for (const JournalRecord& record : records) {
     if (record.sequence <= sequence) continue;
-    const bool is_undo = record.kind == RecordKind::kUndo, is_redo = record.kind == RecordKind::kRedo;
-    if (record.sequence != last + 1 || (is_undo && done == 0) || (is_redo && undone == 0)) break;
-    done = is_undo ? done - 1 : done + 1;
-    undone = is_undo ? undone + 1 : is_redo ? undone - 1 : 0;
+    // What a checkpoint holds can be gone on with.
+    const RecordKind kind = record.kind == RecordKind::kEditOn ? RecordKind::kEdit : record.kind;
+    if (record.sequence != last + 1 || !order.follow(kind)) break;
     following.records.push_back(record);
     last = record.sequence;
   }

@@ -18,49 +18,28 @@ constexpr double kShareForWriting = 1. / 20;
 
 }  // namespace
 
-CheckpointKeeper::CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
-                                   std::function<void(const std::string&)> told, double edits_between_s)
+CheckpointKeeper::CheckpointKeeper(std::filesystem::path folder, const EditedState& state, std::uint64_t journal,
+                                   const Headstart& held, std::function<void(const std::string&)> told,
+                                   double edits_between_s)
     : folder_(std::move(folder)),
-      journal_(header.id),
-      trail_(header),
-      is_changed_(brick_count),
+      state_(state),
+      journal_(journal),
       told_(std::move(told)),
-      edits_between_s_(edits_between_s) {}
+      edits_between_s_(edits_between_s),
+      marks_(held.good),
+      is_others_(journal != 0 && !held.bricks.empty()) {}
 
-void CheckpointKeeper::begin(const EditMark& start, std::span<const LastingEdit> edits, const Headstart& held) {
-  trail_ = EditTrail(start);
-  for (const LastingEdit& edit : edits) {
-    trail_.edit(edit.commands, false);
-    trail_.forgetAllBut(0);
-  }
-  note(held.bricks);
-  marks_ = held.good;
-  is_others_ = journal_ != 0 && !held.bricks.empty();
-}
-
-void CheckpointKeeper::edited(std::span<const EditCommand> commands, bool goes_on, double seconds,
-                              std::size_t undoable) noexcept {
-  trail_.edit(commands, goes_on);
-  trail_.forgetAllBut(undoable);
+void CheckpointKeeper::edited(double seconds) noexcept {
   edits_s_ += seconds;
-  if (const std::optional<EditMark> now = trail_.mark(); now && std::ranges::find(marks_, now) != marks_.end())
+  if (const std::optional<EditMark> now = state_.mark(); now && std::ranges::find(marks_, now) != marks_.end())
     edits_s_ = 0;  // made again, up to where the other file is
 }
 
 void CheckpointKeeper::undone() noexcept {
-  trail_.undo();
-  const std::optional<EditMark> now = trail_.mark();
+  const std::optional<EditMark> now = state_.mark();
   for (std::optional<EditMark>& mark : marks_) {
     if (mark && now && mark->edits > now->edits) mark.reset();  // also if it is done again: that is rare
   }
-}
-
-void CheckpointKeeper::note(std::span<const BrickContent> bricks) noexcept {
-  for (const BrickContent& content : bricks) is_changed_[content.brick] = true;
-}
-
-void CheckpointKeeper::note(std::span<const std::uint32_t> bricks) noexcept {
-  for (const std::uint32_t brick : bricks) is_changed_[brick] = true;
 }
 
 bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
@@ -68,7 +47,7 @@ bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
     if (attempt_.failed) marks_[attempt_.place].reset();
     not_before_ns_ = attempt_.began_ns + std::llround(attempt_.seconds / kShareForWriting * kNanosecondsPerSecond);
   }
-  return (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0 && now_ns >= not_before_ns_ && trail_.mark();
+  return (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0 && now_ns >= not_before_ns_ && state_.mark();
 }
 
 // The newest stays, and the one before goes.
@@ -81,7 +60,7 @@ std::size_t CheckpointKeeper::placeForNext() const noexcept {
 
 std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns, std::uint64_t sequence) {
   const std::size_t place = placeForNext();
-  const EditMark mark = *trail_.mark();
+  const EditMark mark = *state_.mark();
   marks_[place] = mark;
   attempt_ = {.place = place, .began_ns = now_ns, .is_new = true};
   edits_s_ = 0;
@@ -94,10 +73,7 @@ std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns,
 void CheckpointKeeper::write(const Volume& volume, const CheckpointHead& head, std::size_t place) {
   const Stopwatch watch;
   try {
-    std::vector<std::uint32_t> bricks;
-    for (std::size_t i = 0; i < is_changed_.size(); ++i) {
-      if (is_changed_[i]) bricks.push_back(static_cast<std::uint32_t>(i));
-    }
+    const std::vector<std::uint32_t> bricks = state_.bricks();
     checkRoomFor(folder_, bricks.size());
     writeCheckpoint(checkpointFile(folder_, place), head, volume, bricks);
   } catch (const std::exception& error) {

@@ -5,8 +5,7 @@
 // One is due once the edits since the last one took 0.3 s to make. So a session that comes back from its journal makes
 // edits of about twice that time again, however many there were. A large checkpoint comes less often: writing takes one
 // twentieth of the time at most. Threads: the engine's; what writer() returns runs in the saver's, and until it is done
-// no brick is noted and nothing else is asked. Memory: a bit for each brick of the volume, and the marks of the steps
-// that can be undone.
+// no brick is noted and nothing else is asked.
 #pragma once
 
 #include <cstddef>
@@ -15,33 +14,26 @@
 #include <functional>
 #include <limits>
 #include <optional>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "engine/journal/checkpoint.hpp"
-#include "engine/service/brick_content.hpp"
+#include "engine/session/edited_state.hpp"
 
 namespace palpate {
 
 class CheckpointKeeper {
  public:
   static constexpr double kEditsBetween_s = 0.3;
-  // `told` gets the words of a failure, once, in the saver's thread: edits go on, and a later start takes longer.
-  CheckpointKeeper(std::filesystem::path folder, const JournalHeader& header, std::size_t brick_count,
+  // `state` outlives this and knows of each change before this does. `journal`: JournalHeader::id. `held`: what
+  // putCheckpoint() said of the volume that the session begins with; such files of the session before are written anew
+  // soon, since they do not say that they are of this journal. `told` gets the words of a failure, once, in the saver's
+  // thread: edits go on, and a later start takes longer.
+  CheckpointKeeper(std::filesystem::path folder, const EditedState& state, std::uint64_t journal, const Headstart& held,
                    std::function<void(const std::string&)> told, double edits_between_s = kEditsBetween_s);
 
-  // The edits that the volume holds already, as putCheckpoint() left it, from `start` on. Before all else. Files of the
-  // session before are written anew soon, since they do not say that they are of this session's journal.
-  void begin(const EditMark& start, std::span<const LastingEdit> edits, const Headstart& held);
-
-  // Every change that was made, in order. `undoable`: EditHistory::done() after it.
-  void edited(std::span<const EditCommand> commands, bool goes_on, double seconds, std::size_t undoable) noexcept;
+  // Every edit and undo that was made, in order.
+  void edited(double seconds) noexcept;
   void undone() noexcept;
-  void redone() noexcept { trail_.redo(); }
-  // Bricks that the saver's volume gets, whoever changed them.
-  void note(std::span<const BrickContent> bricks) noexcept;
-  void note(std::span<const std::uint32_t> bricks) noexcept;
 
   // When the saver's volume holds every change: whether it is to be written, and what does that with it. `sequence`: of
   // the journal's newest record. The keeper outlives the saver.
@@ -53,9 +45,8 @@ class CheckpointKeeper {
   void write(const Volume& volume, const CheckpointHead& head, std::size_t place);
 
   std::filesystem::path folder_;
-  std::uint64_t journal_;  // JournalHeader::id
-  EditTrail trail_;
-  std::vector<bool> is_changed_;
+  const EditedState& state_;
+  std::uint64_t journal_;
   std::function<void(const std::string&)> told_;
   double edits_between_s_;
   CheckpointMarks marks_;   // of the files; empty: it may be overwritten

@@ -123,6 +123,12 @@ void EditHistory::join(Contents added) noexcept {
   forgetBeyondBudget();
 }
 
+std::size_t EditHistory::editsInEffect() const noexcept {
+  std::size_t edits = forgotten_;
+  for (std::size_t i = 0; i < done_; ++i) edits += steps_[i].label.edits;
+  return edits;
+}
+
 std::vector<UndoLabel> EditHistory::labels() const {
   std::vector<UndoLabel> labels;
   labels.reserve(steps_.size());

@@ -59,6 +59,7 @@ class EditHistory {
   [[nodiscard]] std::size_t steps() const noexcept { return steps_.size(); }  // that can be undone or redone
   [[nodiscard]] std::size_t done() const noexcept { return done_; }           // of them, not undone
   [[nodiscard]] std::vector<UndoLabel> labels() const;                        // of all steps, the oldest first
+  [[nodiscard]] std::size_t editsInEffect() const noexcept;
   // Edits that were made and can no longer be undone.
   [[nodiscard]] std::size_t forgotten() const noexcept { return forgotten_; }
   void noteForgotten(std::size_t edits) noexcept { forgotten_ += edits; }  // made before the first one here

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <random>
 #include <utility>
 
 #include "base/error.hpp"
@@ -37,18 +36,19 @@ EditSession::EditSession(Engine& engine, const BrushProfile& profile, std::span<
 
 void EditSession::keepJournal(const std::filesystem::path& folder, const VolumeIdentity& volume, JournalOptions options,
                               const std::optional<JournalBeginning>& beginning) {
-  std::random_device random;
-  header_ = {volume, profile_, std::uint64_t{random()} << 32U | random() | 1};
-  journal_.emplace(folder, header_, std::move(options), beginning);
-  if (beginning) begun_with_ = beginning->mark;
+  const JournalHeader header{volume, profile_, randomId()};
+  journal_id_ = header.id;
+  journal_.emplace(folder, header, std::move(options), beginning);
+  state_.emplace(header);
+  if (beginning) state_->begin(beginning->mark, {}, beginning->bricks);
+  renewal_.emplace(*journal_, *state_);
 }
 
 void EditSession::keepCheckpoints(const std::filesystem::path& folder, std::span<const LastingEdit> before,
                                   const Headstart& held, std::function<void(const std::string&)> told,
                                   double edits_between_s) {
-  const BrickGrid grid{header_.volume.size, header_.volume.lattice.spacing_m};
-  checkpoints_.emplace(folder, header_, grid.brickCount(), std::move(told), edits_between_s);
-  checkpoints_->begin(begun_with_.value_or(*EditTrail(header_).mark()), before, held);
+  state_->begin(*state_->mark(), before, held.bricks);
+  checkpoints_.emplace(folder, *state_, journal_id_, held, std::move(told), edits_between_s);
   for (const LastingEdit& edit : before)
     journal_->edit(edit.commands, edit.goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
 }
@@ -94,7 +94,8 @@ Engine::EditResult EditSession::edit(std::span<const EditCommand> commands, std:
                     [&](JournalWriter& journal) {
                       const bool goes_on = step == UndoStep::kLast && history_.editsToUndo() > 1;
                       journal.edit(commands, goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
-                      if (checkpoints_) checkpoints_->edited(commands, goes_on, watch.seconds(), history_.done());
+                      state_->edited(commands, goes_on, history_.done());
+                      if (checkpoints_) checkpoints_->edited(watch.seconds());
                     });
 }
 
@@ -104,6 +105,7 @@ Engine::EditResult EditSession::undo(std::int64_t now_ns) {
   return journalled([&] { missing_.noteReplace(history_.bricksToUndo()); }, [&] { return history_.undo(now_ns); },
                     [&](JournalWriter& journal) {
                       for (std::size_t i = 0; i < edits; ++i) journal.undo();
+                      state_->undone();
                       if (checkpoints_) checkpoints_->undone();
                     });
 }
@@ -113,7 +115,7 @@ Engine::EditResult EditSession::redo(std::int64_t now_ns) {
   return journalled([&] { missing_.noteReplace(history_.bricksToRedo()); }, [&] { return history_.redo(now_ns); },
                     [&](JournalWriter& journal) {
                       for (std::size_t i = 0; i < edits; ++i) journal.redo();
-                      if (checkpoints_) checkpoints_->redone();
+                      state_->redone();
                     });
 }
 
@@ -148,8 +150,9 @@ void EditSession::feedSaver(std::int64_t now_ns) {
   const std::size_t more = changed > bricks_left_ ? changed - bricks_left_ : 0;
   bricks_left_ = changed;
   if (!saver_->ready()) return holdBack();
-  const bool copy_due = isCopyDue(now_ns);
-  if (save_period_ns_ == 0 && errands_.empty() && !keeps_abreast_) return;
+  const bool renewal_due = renewal_ && renewal_->isDue(now_ns);
+  const bool copy_due = isCopyDue(now_ns) || renewal_due;
+  if (save_period_ns_ == 0 && errands_.empty() && !keeps_abreast_ && !renewal_due) return;
   if (next_save_ns_ == kNotSet) next_save_ns_ = now_ns + save_period_ns_;
   // Unless there are many, bricks are handed over only once a save is due. So a brick that changes again and again is
   // copied once for each save.
@@ -158,7 +161,10 @@ void EditSession::feedSaver(std::int64_t now_ns) {
   // If edits change more bricks between two calls than a call hands over, a due save would never begin. So a due save,
   // or a copy that lacks much, takes as many more as changed since the last call. Then each call shortens the list by
   // kBricksAtOnce, and the save begins.
-  const Then then = !errands_.empty() ? Then::kErrand : save_due ? Then::kSave : Then::kNothing;
+  const Then then = renewal_due         ? Then::kNothing  // before a file, which may take minutes
+                    : !errands_.empty() ? Then::kErrand
+                    : save_due          ? Then::kSave
+                                        : Then::kNothing;
   const bool hurries = save_due || !errands_.empty() || missing_.size() >= kMostMissing;
   handOver(kBricksAtOnce + (hurries ? more : 0), then, now_ns);
   bricks_left_ = engine_->changedBricks();
@@ -194,7 +200,7 @@ void EditSession::handOver(std::size_t most, Then then, std::int64_t now_ns) {
     if (!held_back_.empty()) return giveHeldBack();
     std::vector<BrickContent> bricks;
     if (engine_ != nullptr) bricks = engine_->takeChanged(most);
-    if (checkpoints_) checkpoints_->note(bricks);
+    if (state_) state_->note(bricks);
     const std::uint64_t version = engine_ != nullptr ? engine_->editVersion() : left_version_;
     const bool complete = changedBricks() == 0;
     if (complete && then == Then::kErrand) {
@@ -202,11 +208,9 @@ void EditSession::handOver(std::size_t most, Then then, std::int64_t now_ns) {
       errands_.pop_front();
     } else if (complete && then == Then::kSave) {
       saver_->give(std::move(bricks), version);
-    } else if (complete && checkpoints_ && checkpoints_->isDue(now_ns)) {
+    } else if (auto write = complete ? writerOf(now_ns) : nullptr) {
       saver_->give(std::move(bricks), version,
-                   [write = checkpoints_->writer(now_ns, journal_->appended())](const Volume& volume, std::uint64_t) {
-                     write(volume);
-                   });
+                   [write = std::move(write)](const Volume& volume, std::uint64_t) { write(volume); });
     } else {
       saver_->give(std::move(bricks),
                    complete ? BackgroundSaver::Completes::kVersion : BackgroundSaver::Completes::kNothing);
@@ -220,9 +224,16 @@ void EditSession::handOver(std::size_t most, Then then, std::int64_t now_ns) {
   }
 }
 
+// What is to be made of the saver's volume, which holds every change: a journal that begins anew, or a checkpoint.
+std::function<void(const Volume&)> EditSession::writerOf(std::int64_t now_ns) {
+  if (renewal_ && renewal_->isDue(now_ns)) return renewal_->begin(now_ns, figures_.edits, history_.editsInEffect());
+  if (checkpoints_ && checkpoints_->isDue(now_ns)) return checkpoints_->writer(now_ns, journal_->appended());
+  return {};
+}
+
 // Whole by itself, whatever becomes of the rest.
 void EditSession::giveHeldBack() {
-  if (checkpoints_) checkpoints_->note(held_back_);
+  if (state_) state_->note(held_back_);
   saver_->give(std::exchange(held_back_, {}), BackgroundSaver::Completes::kVersion);
 }
 
@@ -247,7 +258,7 @@ void EditSession::leaveEngine() {
   if (volume == nullptr) throw lacksEdits();
   try {
     const std::vector<std::uint32_t> made = missing_.makeIn(*volume, profile_);
-    if (checkpoints_) checkpoints_->note(made);
+    if (state_) state_->note(made);
   } catch (const std::exception&) {
     throw lacksEdits();
   }
@@ -264,10 +275,13 @@ void EditSession::goOnWith(Engine& engine) {
 }
 
 void EditSession::close() {
-  if (journal_) journal_->close();
-  if (!saver_ || closed_) return;
+  if (!saver_ || closed_) {
+    if (journal_) journal_->close();
+    return;
+  }
   closed_ = true;
   saver_->wait();
+  if (renewal_) renewal_->hurry();
   const bool save = saves_ && !isSaved();
   for (bool more = true; more && saver_usable_ && !lacks_edits_;) {
     if (keeps_abreast_ && engine_ != nullptr && engine_->broken()) {
@@ -277,19 +291,23 @@ void EditSession::close() {
         break;  // errands are told by their end
       }
     }
-    const bool errand = !errands_.empty();
-    handOver(kBricksAtOnce, errand ? Then::kErrand : save ? Then::kSave : Then::kNothing, kNotSet);
+    const bool first = !held_back_.empty() || (renewal_ && renewal_->isDue(kNotSet)), errand = !errands_.empty();
+    handOver(kBricksAtOnce,
+             first    ? Then::kNothing
+             : errand ? Then::kErrand
+             : save   ? Then::kSave
+                      : Then::kNothing,
+             kNotSet);
     saver_->wait();
-    more = changedBricks() > 0 || errand;
+    more = changedBricks() > 0 || first || errand;
   }
   saver_->close();
   errands_.clear();
+  if (journal_) journal_->close();
 }
 
 bool EditSession::flushJournal() {
-  if (!journal_) return false;
-  journal_->flush();
-  return !journal_->failed();
+  return journal_ && journal_->flush();
 }
 
 void EditSession::dropEmptyJournal() {

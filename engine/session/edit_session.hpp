@@ -3,7 +3,8 @@
 // and into the journal, in the same order.
 //
 // A refused edit is in none of them. An applied edit is in the journal, unless the journal has ended; then the journal
-// says which edit was saved last. The volume itself is saved in the background (background_saver.hpp).
+// says which edit was saved last. The volume itself is saved in the background (background_saver.hpp). A session that
+// has a copy of it on the CPU (keepSaved()) begins its journal anew from that as soon as the disk takes one again.
 // Thread: the engine's. Cost: the engine's edit, a copy of the bricks that it changes, and an append to the journal's
 // queue. The append waits only if the queue is full.
 #pragma once
@@ -22,6 +23,8 @@
 #include "engine/session/background_saver.hpp"
 #include "engine/session/checkpoint_keeper.hpp"
 #include "engine/session/edit_history.hpp"
+#include "engine/session/edited_state.hpp"
+#include "engine/session/journal_renewal.hpp"
 #include "engine/session/missing_changes.hpp"
 
 namespace palpate {
@@ -115,6 +118,7 @@ class EditSession {
   void handOver(std::size_t most, Then then, std::int64_t now_ns);
   void giveHeldBack();
   void holdBack();
+  [[nodiscard]] std::function<void(const Volume&)> writerOf(std::int64_t now_ns);
   template <typename Change>
   Engine::EditResult timed(const Change& change);
   template <typename Note, typename Change>
@@ -124,10 +128,11 @@ class EditSession {
   Engine* engine_;  // null: it has been left
   BrushProfile profile_;
   EditHistory history_;
-  JournalHeader header_;  // of the journal
+  std::uint64_t journal_id_ = 0;
   std::optional<JournalWriter> journal_;
-  std::optional<EditMark> begun_with_;           // the journal's beginning
-  std::optional<CheckpointKeeper> checkpoints_;  // before the saver, which uses it
+  std::optional<EditedState> state_;  // if there is a journal; this and the next two before the saver, which uses them
+  std::optional<JournalRenewal> renewal_;  // the same
+  std::optional<CheckpointKeeper> checkpoints_;
   std::optional<BackgroundSaver> saver_;
   // Most bricks that one feedSaver() copies: well under a millisecond, since the engine's thread must keep the window
   // current.

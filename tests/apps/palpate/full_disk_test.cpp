@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A disk that gets full while a session is journalled and saved: the session goes on, the user is told up to which
 // record edits are saved, nothing is half-written, and what was told is what `recover` gives back.
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/mount.h>
 
 #include "engine/journal/journal_reader.hpp"
 #include "program_test.hpp"
 #include "tests/support/long_run.hpp"
+#include "tests/support/small_disk.hpp"
 
 namespace palpate {
 namespace full_disk_test {
@@ -81,12 +79,25 @@ class FullDisk : public ProgramTest {
   }
 };
 
-// A limit on the size of files stands for the full disk. It is above the report (some 480 KB) and below the journal.
-TEST_F(FullDisk, AtALimitOfFilesSizeTheSessionGoesOn) {
+// A limit on the size of files, above the report (some 480 KB) and below the journal: one that begins anew is small
+// again, and has every edit.
+TEST_F(FullDisk, AJournalThatGotTooLongBeginsAnew) {
   PALPATE_LONG_ONLY();
   write("sculpted.nrrd", "old");
   const Outcome outcome = runPalpate({.arguments = session(""), .folder = folder(), .file_size_limit = 560'000});
-  expectAllIsTold(outcome, "");
+  EXPECT_EQ(outcome.status, 4) << outcome.err;  // of the file that was not saved
+  EXPECT_NE(lineWith(errorLines(outcome.err), "edits after number "), "") << outcome.err;
+  EXPECT_NE(lineWith(errorLines(outcome.err), "is kept again, and holds every edit"), "") << outcome.err;
+  const auto& edits = nlohmann::json::parse(contentsOf(file("out") / "summary.json"))["edits"];
+  EXPECT_EQ(edits["journal_saved"], edits["count"]);
+  EXPECT_EQ(edits["journal_failure"], "");
+  const Journal journal = readJournal(file("journal"));
+  EXPECT_FALSE(journal.damage);
+  EXPECT_TRUE(journal.base);
+  EXPECT_EQ(journal.last_sequence, edits["count"]);
+  const Outcome recovered = run({"recover", "journal", "--out", "back.vdb"});
+  expectSuccess(recovered);
+  EXPECT_THAT(recovered.out, HasSubstr(fmt::format("Journal   {} edits", edits["count"].get<int>())));
 }
 
 // The trace of 5000 ticks takes about a MB. It is written as a draft in a hidden folder, which the message does not
@@ -119,37 +130,29 @@ TEST_F(FullDisk, ARecordingThatFindsNoRoomLeavesTheReport) {
 
 // A file system of 256 KiB that is full.
 TEST_F(FullDisk, OnAFullFileSystemTheSessionGoesOn) {
-  const std::filesystem::path disk = file("disk");
-  std::filesystem::create_directory(disk);
-  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
-    GTEST_SKIP() << "no file system can be mounted here (" << std::strerror(errno)
-                 << "): only root may, with CAP_SYS_ADMIN";
+  const SmallDisk disk(file("disk"));
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
   write("disk/sculpted.nrrd", "old");
   const Outcome outcome = run(session("disk/"));
   expectAllIsTold(outcome, "disk/");
-  EXPECT_EQ(umount(disk.c_str()), 0);
 }
 
 // The log of the run lies there too: what cannot be told is no reason to end. The journal says less than it might.
 TEST_F(FullDisk, WithItsLogOnTheFullFileSystemTheSessionGoesOn) {
   PALPATE_LONG_ONLY();
-  const std::filesystem::path disk = file("disk");
-  std::filesystem::create_directory(disk);
-  if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0)
-    GTEST_SKIP() << "no file system can be mounted here (" << std::strerror(errno)
-                 << "): only root may, with CAP_SYS_ADMIN";
+  const SmallDisk disk(file("disk"));
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
   write("disk/sculpted.nrrd", "old");
   write("disk/log", "");
   const Outcome outcome =
-      runPalpate({.arguments = session("disk/"), .folder = folder(), .error_file = (disk / "log").string()});
+      runPalpate({.arguments = session("disk/"), .folder = folder(), .error_file = file("disk/log").string()});
   EXPECT_EQ(outcome.status, 4) << "signal " << outcome.signal;
   const auto summary = nlohmann::json::parse(contentsOf(file("out") / "summary.json"));
   EXPECT_EQ(summary["servo"]["ticks"], 9000);
   EXPECT_TRUE(summary["ended_early"].is_null());
   EXPECT_GT(summary["edits"]["count"], summary["edits"]["journal_saved"]);
   EXPECT_THAT(outcome.out, HasSubstr("Touched "));
-  EXPECT_EQ(contentsOf(disk / "sculpted.nrrd"), "old");
-  EXPECT_EQ(umount(disk.c_str()), 0);
+  EXPECT_EQ(contentsOf(file("disk/sculpted.nrrd")), "old");
 }
 
 // A limit of the file size, below the journal and above nothing: log and journal end, the session does not.

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -12,6 +13,7 @@
 #include "engine/journal/journal_format.hpp"
 #include "served_sphere.hpp"
 #include "service/messages/message_channel.hpp"
+#include "tests/support/small_disk.hpp"
 
 namespace palpate {
 namespace serve_failures_test {
@@ -140,6 +142,101 @@ TEST_F(ServeFailures, GoesOnFromACheckpointBeyondTheDamage) {
     engine.end(SIGKILL);
   }
   EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);
+}
+
+// Edits that find their journal gone are not answered as kept. It begins anew, says so, and after a kill all are there,
+// those before and those after.
+TEST_F(ServeFailures, AJournalThatIsRemovedBeginsAnew) {
+  serve({kServedSphere, "--journal", "journal"});
+  ASSERT_TRUE(awaitService());
+  for (int n = 0; n < 3; ++n) expectSuccess(ctl({"edit", fmt::format("add:radius=2mm:at={},-12,-12mm", n - 12)}));
+  std::filesystem::remove_all(file("journal"));
+  const Outcome edited = ctl({"edit", "add:radius=2mm:at=-6,-12,-12mm"});
+  EXPECT_EQ(edited.status, 4);
+  EXPECT_THAT(edited.err, HasSubstr("the edit was made, but it is not on the disk"));
+  ASSERT_TRUE(awaitSaid("is kept again"));
+  EXPECT_EQ(status()["journal_failed"], 0);
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-3,-12,-12mm"}));
+  EXPECT_EQ(status()["undoable"], 5);
+  for (int undone = 0; undone < 3; ++undone) expectSuccess(ctl({"undo"}));  // more than the new journal has
+  expectSuccess(ctl({"redo"}));
+  expectSuccess(ctl({"save", "before.vdb"}));
+  EXPECT_TRUE(await([](const nlohmann::json& now) { return now["journal_failed"] == 0; }));
+  const Descriptor lock(open(file("journal/in-use").c_str(), O_RDWR | O_CLOEXEC));
+  EXPECT_NE(flock(lock.get(), LOCK_EX | LOCK_NB), 0) << "another service may begin there";
+  engine.end(SIGKILL);
+  serve({kServedSphere, "--journal", "journal"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["lost_records"], 0);
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), contentHash(loadVolume(file("before.vdb").string())));
+}
+
+// A disk that gets full, then has room, then is too full for the next start to write its edits down again.
+TEST_F(ServeFailures, AJournalOnAFullDiskBeginsAnewWhenThereIsRoom) {
+  const SmallDisk disk(file("disk"));
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
+  serve({kServedSphere, "--journal", "disk/journal"});
+  ASSERT_TRUE(awaitService());
+  int made = 0;
+  const auto makeEdit = [&] {
+    ++made;
+    return ctl({"edit", fmt::format("add:radius=2mm:at=-12,{},{}mm", made % 24 - 12, made / 24 - 12)});
+  };
+  expectSuccess(makeEdit());
+  disk.fill();
+  // What is left of a page is room for some.
+  while (made < 60 && makeEdit().status == 0) continue;
+  ASSERT_LT(made, 60);
+  EXPECT_EQ(status()["journal_failed"], 1);
+  EXPECT_EQ(makeEdit().status, 4);
+  disk.makeRoom();
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["journal_failed"] == 0; }));
+  expectSuccess(makeEdit());
+  expectSuccess(ctl({"save", "before.vdb"}));
+  engine.end(SIGKILL);
+  serve({kServedSphere, "--journal", "disk/journal"});
+  ASSERT_TRUE(awaitService());
+  EXPECT_EQ(status()["lost_records"], 0);
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), contentHash(loadVolume(file("before.vdb").string())));
+  engine.end(SIGKILL);
+}
+
+// There is no room to write the edits of before down again: their journal counts until there is.
+TEST_F(ServeFailures, AStartOnAFullDiskLosesNothing) {
+  const SmallDisk disk(file("disk"));
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
+  serve({kServedSphere, "--journal", "disk/journal"});
+  ASSERT_TRUE(awaitService());
+  for (int n = 0; n < 120; ++n)
+    expectSuccess(ctl({"edit", fmt::format("add:radius=2mm:at=-12,{},{}mm", n % 24 - 12, n / 24 - 12)}));
+  expectSuccess(ctl({"save", "before.vdb"}));
+  engine.end(SIGKILL);
+  for (const bool has_room : {false, true}) {
+    if (has_room) std::filesystem::remove(file("disk/journal/journal.palpate"));  // begun, and of no use to the next
+    disk.fill(8192);
+    serve({kServedSphere, "--journal", "disk/journal"});
+    ASSERT_TRUE(awaitService()) << contentsOf(file("serve.log"));
+    EXPECT_EQ(status()["journal_failed"], 1) << contentsOf(file("serve.log"));
+    if (has_room) {
+      disk.makeRoom();
+      ASSERT_TRUE(await([](const nlohmann::json& now) { return now["journal_failed"] == 0; }));
+      expectSuccess(ctl({"edit", "add:radius=2mm:at=12,12,12mm"}));
+      EXPECT_FALSE(exists("disk/journal/earlier"));
+    }
+    expectSuccess(ctl({"save", has_room ? "before.vdb" : "back.vdb"}));
+    engine.end(SIGKILL);
+    if (!has_room) {
+      EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())),
+                contentHash(loadVolume(file("before.vdb").string())));
+    }
+  }
+  serve({kServedSphere, "--journal", "disk/journal"});
+  ASSERT_TRUE(awaitService());
+  expectSuccess(ctl({"save", "back.vdb"}));
+  EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), contentHash(loadVolume(file("before.vdb").string())));
+  engine.end(SIGKILL);
 }
 
 // Killed in the middle of its work: what was answered comes back, and the servo, which lived on, takes up its contact.

@@ -51,6 +51,21 @@ TEST_F(KeptJournals, GoFromStartToStart) {
   }
 }
 
+// Another service must not begin in a folder that was removed and is there anew.
+TEST_F(KeptJournals, AreLockedAgainInAFolderMadeAnew) {
+  KeptJournal kept(here);
+  fs::remove_all(here);
+  fs::create_directory(here);
+  kept.lockAgain();
+  EXPECT_THAT(refusalOf([&] { const KeptJournal another(here); }, Error::Code::kIo),
+              testing::HasSubstr("another service"));
+  kept.lockAgain();  // it is locked already
+  fs::remove_all(here);
+  fs::create_directory(here);
+  const KeptJournal another(here);
+  EXPECT_THAT(refusalOf([&] { kept.lockAgain(); }, Error::Code::kIo), testing::HasSubstr("another service"));
+}
+
 // Something of it could not be read, and may be read by somebody who knows more.
 TEST_F(KeptJournals, ThatWereNotReadToTheirEndArePutAside) {
   for (const char* name : {"journal-unread-1.palpate", "journal-unread-2.palpate"}) {

@@ -60,6 +60,32 @@ TEST(JournalReader, ATailThatIsCutAnywhereLosesOnlyTheCutRecord) {
   }
 }
 
+// A power cut may leave zeros where the file had got its length and not yet its bytes: at the end, that is no damage of
+// anything that was saved. In the middle it is.
+TEST(JournalReader, ZerosAtTheEndAreARecordThatWasBeingWritten) {
+  const Sample sample;
+  const std::size_t last = sample.begins[kRecords - 1];
+  for (std::size_t size = last; size < sample.bytes.size(); ++size) {
+    for (const std::size_t zeros : {std::size_t{8}, sample.bytes.size() - size, std::size_t{700}}) {
+      if (zeros < 8) continue;
+      setBytes(sample.folder.path(), sample.bytes.substr(0, size) + std::string(zeros, '\0'));
+      const Journal journal = readJournal(sample.folder.path());
+      ASSERT_EQ(journal.records.size(), kRecords - 1) << size;
+      ASSERT_TRUE(journal.damage) << size;
+      EXPECT_TRUE(journal.damage->is_torn_end) << size << ", " << zeros;
+    }
+  }
+  std::string bytes = sample.bytes;
+  std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(sample.begins[2]),
+            bytes.begin() + static_cast<std::ptrdiff_t>(sample.begins[3]), '\0');
+  setBytes(sample.folder.path(), bytes);
+  EXPECT_FALSE(readJournal(sample.folder.path()).damage->is_torn_end);
+  bytes = sample.bytes;
+  bytes.back() = static_cast<char>(bytes.back() ^ 1);
+  setBytes(sample.folder.path(), bytes);
+  EXPECT_FALSE(readJournal(sample.folder.path()).damage->is_torn_end);
+}
+
 TEST(JournalReader, AFlippedBitAnywhereLosesThatRecordAndThoseBehindIt) {
   const Sample sample;
   for (std::size_t at = sample.begins[0]; at < sample.bytes.size(); ++at) {
@@ -103,7 +129,8 @@ TEST(JournalReader, RecordsThatMakeNoSenseEndTheJournal) {
   EXPECT_EQ(reasonWith(recordBytes(RecordKind::kUndo, 1, "x")), "record 1 holds more than an undo has");
   EXPECT_EQ(reasonWith(recordBytes(RecordKind::kRedo, 1, "x")), "record 1 holds more than a redo has");
   EXPECT_EQ(reasonWith(recordBytes(RecordKind::kEdit, 1, "")), "record 1 holds no commands");
-  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kEditOn, 1, "")), "record 1 goes on with what was not done");
+  EXPECT_EQ(reasonWith(recordBytes(RecordKind::kEditOn, 1, editContent({{dab(0)}}, {{0}}))),
+            "record 1 goes on with what was not done");
   EXPECT_EQ(reasonWith(recordBytes(RecordKind::kStamp, 1, "xyz")), "record 1 holds no stamp");
   EXPECT_EQ(reasonWith(recordBytes(static_cast<RecordKind>(99), 1, "")), "record 1 is of a kind 99 that is not known");
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/journal_writer.hpp"
 
+#include <numeric>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -10,10 +12,12 @@
 #include "engine/journal/journal_reader.hpp"
 #include "journal_samples.hpp"
 #include "tests/support/few_descriptors.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace journal_writer_test {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 const JournalHeader& header() {
@@ -227,7 +231,7 @@ TEST(JournalWriter, ADiskThatWasFullFromTheStartLeavesNoJournal) {
     JournalWriter writer(folder.path(), header());
     {
       const FileSizeLimit limit(writer.bytes() + 10);
-      writer.undo();
+      writer.edit({{dab(0)}});
       writer.flush();
     }
     EXPECT_THAT(writer.failure(), HasSubstr("; edits after number 0 are not saved: make room"));
@@ -280,7 +284,7 @@ TEST(JournalWriter, WhatIsRefusedLeavesNoJournal) {
 TEST(JournalWriter, DropsTheFileWhereNothingWasAppended) {
   TemporaryFolder empty, used;
   JournalWriter first(empty.path(), header()), second(used.path(), header());
-  second.undo();
+  second.edit({{dab(0)}});
   first.closeAndDropEmpty();
   second.closeAndDropEmpty();
   EXPECT_EQ(empty.files(), 0);
@@ -316,6 +320,197 @@ TEST(JournalWriter, RefusesAPlaceThatIsNoFolder) {
     EXPECT_EQ(error.remedy(), "make room or choose another folder with --journal");
   }
   EXPECT_EQ(folder.files(), 1);
+}
+
+// A journal whose file somebody has moved away, which has noticed it.
+struct Moved {
+  TemporaryFolder folder;
+  const std::filesystem::path place = folder.path() / "journal";
+  Volume volume = sampleVolume();
+  const std::vector<std::uint32_t> bricks = {0, 3};
+  JournalWriter writer;
+  explicit Moved(JournalOptions options = {}) : writer(place, header(), std::move(options)) {
+    for (int i = 1; i <= 3; ++i) writer.edit({{dab(i)}});
+    writer.flush();
+    std::filesystem::rename(journalFile(place), place / "moved");
+    writer.edit({{dab(4)}});
+    writer.flush();
+    EXPECT_TRUE(writer.canBeginAnew());
+  }
+  [[nodiscard]] JournalBeginning beginning() const { return {{7, 11}, &volume, bricks}; }
+};
+
+TEST(JournalWriter, BeginsAnewWithWhatEditsHaveMade) {
+  std::uint64_t told = 0;
+  JournalOptions options;
+  options.on_acknowledged = [&](std::uint64_t record) { told = record; };
+  Moved s(options);
+  EditCommand stamp;
+  stamp.kind = EditKind::kStampAdd;
+  stamp.stamp = RandomEdits::ball(2e-3);
+  s.writer.gatherAnew(4);
+  EXPECT_FALSE(s.writer.canBeginAnew());
+  EXPECT_EQ(s.writer.edit({{dab(5)}}), 5U);  // meanwhile
+  s.writer.beginAnew(s.beginning());
+  EXPECT_FALSE(s.writer.failed());
+  EXPECT_EQ(s.writer.failure(), "");
+  EXPECT_GE(told, 4U);
+  EXPECT_EQ(s.writer.edit({{stamp}}, RecordKind::kEditOn), 7U);  // after its stamp's record
+  s.writer.close();
+  EXPECT_EQ(s.writer.acknowledged(), 7U);
+  const Journal journal = readJournal(s.place);
+  EXPECT_FALSE(journal.damage);
+  ASSERT_TRUE(journal.base);
+  EXPECT_EQ(journal.base->mark, (EditMark{7, 11}));
+  EXPECT_THAT(journal.base->bricks.bricks, ElementsAre(0, 3));
+  ASSERT_EQ(journal.records.size(), 2U);
+  EXPECT_EQ(journal.records[0].sequence, 5U);
+  EXPECT_EQ(journal.records[0].commands.at(0).from_W.x(), 5);
+  EXPECT_NE(journal.records[1].commands.at(0).stamp, nullptr);
+  EXPECT_EQ(s.writer.bytes(), bytesOf(s.place).size());
+}
+
+// What it began with cannot be undone by a record, so it must begin with something else.
+TEST(JournalWriter, MustBeginAnewWhereAnUndoGoesBehindItsBeginning) {
+  for (const bool by_redo : {false, true}) {
+    Moved s;
+    s.writer.gatherAnew(4);
+    s.writer.beginAnew(s.beginning());
+    s.writer.edit({{dab(5)}});
+    s.writer.undo();
+    s.writer.redo();
+    s.writer.undo();
+    EXPECT_FALSE(s.writer.failed());
+    if (by_redo) s.writer.redo();
+    EXPECT_EQ(by_redo ? s.writer.redo() : s.writer.undo(), by_redo ? 10U : 9U);
+    EXPECT_FALSE(s.writer.failed());  // whoever waits for the disk goes on waiting
+    EXPECT_FALSE(s.writer.flush());
+    s.writer.edit({{dab(7)}});
+    EXPECT_EQ(s.writer.acknowledged(), by_redo ? 9U : 8U);
+    ASSERT_TRUE(s.writer.canBeginAnew());
+    s.writer.gatherAnew(9);
+    s.writer.edit({{dab(6)}});
+    s.writer.beginAnew(s.beginning());
+    EXPECT_TRUE(s.writer.flush());
+    s.writer.close();
+    const Journal journal = readJournal(s.place);
+    EXPECT_FALSE(journal.damage);
+    EXPECT_EQ(journal.records.size(), 1U);
+    EXPECT_EQ(journal.last_sequence, by_redo ? 12U : 11U);
+  }
+}
+
+TEST(JournalWriter, AnUndoBehindItsBeginningOnAFullDiskIsAFailure) {
+  Moved s;
+  s.writer.gatherAnew(4);
+  s.writer.beginAnew(s.beginning());
+  s.writer.undo();
+  EXPECT_FALSE(s.writer.failed());
+  {
+    const FileSizeLimit full(100);
+    s.writer.gatherAnew(5);
+    EXPECT_THROW(s.writer.beginAnew(s.beginning()), Error);
+  }
+  EXPECT_THAT(s.writer.failure(),
+              HasSubstr("and it cannot begin anew; edits after number 4 (record 4 of the journal)"));
+  EXPECT_TRUE(s.writer.canBeginAnew());
+  s.writer.close();
+  EXPECT_EQ(readJournal(s.place).last_sequence, 4U);
+}
+
+TEST(JournalWriter, ReplacesNobodyElsesJournal) {
+  Moved s;
+  JournalWriter other(s.place, header());
+  other.edit({{dab(9)}});
+  other.close();
+  const std::string before = bytesOf(s.place);
+  s.writer.gatherAnew(4);
+  EXPECT_THAT(refusalOf([&] { s.writer.beginAnew(s.beginning()); }, Error::Code::kBadInput),
+              HasSubstr("holds the journal of another session"));
+  EXPECT_TRUE(s.writer.canBeginAnew());
+  EXPECT_EQ(s.writer.edit({{dab(5)}}), 5U);
+  s.writer.close();
+  EXPECT_EQ(s.writer.acknowledged(), 3U);
+  EXPECT_EQ(bytesOf(s.place), before);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(s.place), {}), 2) << "something is left of the attempt";
+}
+
+// Nobody takes anything out of the queue before the file is there, and an edit does not wait for that.
+TEST(JournalWriter, AFullQueueEndsAJournalThatIsBeingMade) {
+  JournalOptions options;
+  options.queue_bytes = 1000;
+  Moved s(options);
+  s.writer.gatherAnew(4);
+  for (int i = 0; i < 100; ++i) s.writer.edit({{dab(5)}});
+  s.writer.beginAnew(s.beginning());
+  EXPECT_TRUE(s.writer.failed());
+  EXPECT_EQ(s.writer.acknowledged(), 4U);
+  EXPECT_EQ(readJournal(s.place).last_sequence, 4U);
+  s.writer.gatherAnew(104);
+  s.writer.beginAnew(s.beginning());
+  s.writer.undo();  // behind its beginning: it has not failed, until the queue is full
+  s.writer.gatherAnew(105);
+  for (int i = 0; i < 100; ++i) s.writer.edit({{dab(5)}});
+  EXPECT_THAT(s.writer.failure(), HasSubstr("its queue was full"));
+  s.writer.beginAnew(s.beginning());
+  EXPECT_TRUE(s.writer.failed());
+  ASSERT_TRUE(s.writer.canBeginAnew());
+  s.writer.gatherAnew(205);
+  s.writer.beginAnew(s.beginning());
+  EXPECT_FALSE(s.writer.failed());
+  EXPECT_EQ(s.writer.acknowledged(), 205U);
+}
+
+TEST(JournalWriter, AfterADiskThatStaysFullItHasEndedAsBefore) {
+  Moved s;
+  for (int i = 0; i < 2; ++i) {
+    const FileSizeLimit full(100);
+    s.writer.gatherAnew(4);
+    s.writer.edit({{dab(5)}});
+    EXPECT_THROW(s.writer.beginAnew(s.beginning()), Error);
+    EXPECT_TRUE(s.writer.canBeginAnew());
+    s.writer.flush();
+    EXPECT_EQ(s.writer.acknowledged(), 3U);
+  }
+  EXPECT_FALSE(std::filesystem::exists(journalFile(s.place)));
+}
+
+TEST(JournalWriter, WhatEndedForGoodDoesNotBeginAnew) {
+  Moved s;
+  s.writer.gatherAnew(4);
+  s.writer.beginAnew(s.beginning());
+  s.writer.end("nobody knows whether the edit was made", ENOMEM);
+  EXPECT_TRUE(s.writer.failed());
+  EXPECT_FALSE(s.writer.canBeginAnew());
+}
+
+// More bricks than a record takes, and records of the file before: their numbers end where the new edits begin.
+TEST(JournalWriter, NumbersAManyBricksBeginningBackwards) {
+  const Vec3i size{8, 8, 8 * 16500};
+  const Volume volume =
+      Volume::fromDense(size, sampleLattice(), std::vector<float>(static_cast<std::size_t>(size.prod()), 1.F), {});
+  std::vector<std::uint32_t> bricks(16500);
+  std::iota(bricks.begin(), bricks.end(), 0U);
+  for (const std::uint64_t before : {1U, 2U, 5U}) {
+    const TemporaryFolder folder;
+    JournalWriter writer(folder.path(), header());
+    for (std::uint64_t i = 1; i < before; ++i) writer.edit({{dab(1)}});
+    writer.flush();
+    std::filesystem::remove(journalFile(folder.path()));
+    writer.edit({{dab(2)}});
+    writer.flush();
+    const std::uint64_t last = writer.appended();
+    ASSERT_TRUE(writer.canBeginAnew());
+    writer.gatherAnew(before);
+    writer.beginAnew({{3, 4}, &volume, bricks});
+    EXPECT_EQ(writer.edit({{dab(3)}}), last + 1);
+    writer.close();
+    const Journal journal = readJournal(folder.path());
+    EXPECT_FALSE(journal.damage) << before;
+    ASSERT_TRUE(journal.base);
+    EXPECT_EQ(journal.base->bricks.bricks, bricks);
+    EXPECT_EQ(journal.last_sequence, last + 1);
+  }
 }
 
 // With the next edit, and without one.

@@ -21,16 +21,15 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 // A session of dabs that never meet, without an engine: the volume is the saver's.
 class CheckpointKeepers : public testing::Test {
  protected:
-  CheckpointKeepers() { keeper_.begin(*EditTrail(header_).mark(), {}, {}); }
-
   void edit(double seconds) {
     EditCommand command = dab(0);
     command.from_W = command.to_W = volume_.lattice().toWorld({3. + 2 * static_cast<double>(edits_.size()), 10, 9});
     edits_.push_back({{command}, false});
     const LoweredEdits lowered = lowerEdits(edits_.back().commands, volume_.size(), volume_.lattice(), header_.profile);
     reference::applyEdits(volume_, lowered);
-    for (std::uint32_t brick = 0; brick < kBricks; ++brick) keeper_.note({{brick}});
-    keeper_.edited(edits_.back().commands, false, seconds, edits_.size());
+    for (std::uint32_t brick = 0; brick < kBricks; ++brick) state_.note({{brick}});
+    state_.edited(edits_.back().commands, false, edits_.size());
+    keeper_.edited(seconds);
   }
   bool writeIfDue(std::int64_t now_ns) {
     if (!keeper_.isDue(now_ns)) return false;
@@ -52,7 +51,9 @@ class CheckpointKeepers : public testing::Test {
   TemporaryFolder folder_;
   std::vector<std::string> told_;
   std::vector<LastingEdit> edits_;
-  CheckpointKeeper keeper_{folder_.path(), header_, kBricks, [this](const std::string& why) { told_.push_back(why); }};
+  EditedState state_{header_};
+  CheckpointKeeper keeper_{
+      folder_.path(), state_, header_.id, {}, [this](const std::string& why) { told_.push_back(why); }};
 };
 
 TEST_F(CheckpointKeepers, WriteOneOnceTheEditsSinceTheLastTookLong) {
@@ -86,11 +87,13 @@ TEST_F(CheckpointKeepers, OverwriteTheOneWhoseEditsWereUndone) {
     edit(1);
     ASSERT_TRUE(writeIfDue(i * 100 * kSecond_ns));
   }
+  state_.undone();
   keeper_.undone();
   edits_.pop_back();
   EXPECT_THAT(onDisk(), ElementsAre(1));
   edits_.push_back({{dab(7)}, false});
-  keeper_.edited(edits_.back().commands, false, 1, 2);
+  state_.edited(edits_.back().commands, false, 2);
+  keeper_.edited(1);
   ASSERT_TRUE(writeIfDue(300 * kSecond_ns));
   EXPECT_THAT(onDisk(), ElementsAre(1, 2));
 }
@@ -118,14 +121,18 @@ TEST_F(CheckpointKeepers, AreNotWrittenAgainForWhatAFileHolds) {
   Volume next = sampleVolume();
   const Headstart held = putCheckpoint(folder_.path(), *EditTrail(header_).mark(), edits_, next);
   ASSERT_EQ(held.edits, 2U);
-  CheckpointKeeper keeper(folder_.path(), header_, kBricks, {});
-  keeper.begin(*EditTrail(header_).mark(), std::span(edits_).first(2), held);
+  EditedState state(header_);
+  state.begin(*EditTrail(header_).mark(), std::span(edits_).first(2), held.bricks);
+  CheckpointKeeper keeper(folder_.path(), state, header_.id, held, {});
   EXPECT_FALSE(keeper.isDue(0));
-  keeper.edited(edits_[2].commands, false, 1, 1);
+  state.edited(edits_[2].commands, false, 1);
+  keeper.edited(1);
   EXPECT_FALSE(keeper.isDue(0));
-  keeper.edited(edits_[3].commands, false, 0.1, 2);
+  state.edited(edits_[3].commands, false, 2);
+  keeper.edited(0.1);
   EXPECT_FALSE(keeper.isDue(0));
-  keeper.edited({{dab(5)}}, false, 0.25, 3);
+  state.edited({{dab(5)}}, false, 3);
+  keeper.edited(0.25);
   EXPECT_TRUE(keeper.isDue(0));
 }
 
