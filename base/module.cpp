@@ -62,4 +62,8 @@ const void* moduleTable(const fs::path& file, const std::string& table) {
   return found;
 }
 
+void loadAhead(std::initializer_list<const char*> names) noexcept {
+  for (const char* name : names) static_cast<void>(dlopen(moduleFile(name).c_str(), RTLD_NOW | RTLD_LOCAL));
+}
+
 }  // namespace palpate

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <string>
 
 namespace palpate {
@@ -37,5 +38,9 @@ template <class Table>
   static const auto& table = *static_cast<const Table*>(moduleTable(moduleFile(Table::kModule), Table::kTable));
   return table;
 }
+
+// For a process that soon cannot load anything (service/sandbox): loads these now. One that cannot be loaded is told
+// by loadModule(), when it is needed.
+void loadAhead(std::initializer_list<const char*> names) noexcept;
 
 }  // namespace palpate

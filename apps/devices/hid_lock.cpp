@@ -50,7 +50,7 @@ Descriptor newSocket() {
   return Descriptor(socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
 }
 
-// The process that listens there; 0: not known.
+// The process that listens there; 0: not known, as to a servo, which may not ask (service/sandbox).
 pid_t listenerAt(const sockaddr_un& address, socklen_t size) {
   const Descriptor own = newSocket();
   ucred facts{};
@@ -72,7 +72,7 @@ Descriptor lockOf(const std::string& device) {
   throw Error(
       Error::Code::kDevice, device,
       fmt::format("another program of Palpate uses it{}", holder > 0 ? fmt::format(" (process {})", holder) : ""),
-      "end that one first");
+      holder > 0 ? "end that one first" : "end that one first; 'palpate doctor' says which process it is");
 }
 
 class LockedPort final : public ReportPort {

@@ -4,24 +4,36 @@
 //
 // --channel N: for the engine that started it, at the descriptor N; ends with it. --connect SOCKET: for the engines
 // that listen there, one after another, until SIGTERM or SIGINT. Before either it gives up its rights
-// (service/sandbox), but for --no-sandbox behind them, with which a debugger can look into it. Behind --connect may
-// also stand what it never exceeds (apps/servo_side/servo_ceilings.hpp), and --calibrated.
+// (service/sandbox), but for --no-sandbox behind them, with which a debugger can look into it. A second process then
+// connects to engines and opens HID devices for it (service/broker). Behind --connect may also stand what it never
+// exceeds (apps/servo_side/servo_ceilings.hpp), and --calibrated.
+#include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include "apps/console/message.hpp"
 #include "apps/servo_side/servo_host.hpp"
 #include "apps/servo_side/servo_keeper.hpp"
 #include "base/error.hpp"
+#include "base/module.hpp"
 #include "base/user_folders.hpp"
+#include "service/broker/broker.hpp"
 #include "service/sandbox/servo_sandbox.hpp"
+#include "servo/hid/hid.hpp"
+#include "servo/hid/hidraw_node.hpp"
 #include "version.hpp"
 
 namespace {
@@ -36,6 +48,21 @@ void askToStop(int) {
 
 void tell(const std::string& words) {
   palpate::tellUser("servo: " + words);
+}
+
+constexpr unsigned kFirstOfOthers = 3;  // descriptors
+
+// Whoever started this program may have left files open, which could still be written to.
+void closeWhatIsLeft(int but) {
+  const auto kept = static_cast<unsigned>(but);
+  if (kept > kFirstOfOthers) syscall(SYS_close_range, kFirstOfOthers, kept - 1, 0);
+  syscall(SYS_close_range, std::max(kept + 1, kFirstOfOthers), ~0U, 0);
+}
+
+// All that a scene may ever need: afterwards nothing can be loaded.
+void loadLibraries() {
+  palpate::loadHid();
+  palpate::loadAhead({"embree", "assimp"});
 }
 
 // In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:
@@ -62,11 +89,30 @@ void serveMaker(const char* number, const palpate::ServoCeilings& ceilings) {
       .serve(palpate::Channel(palpate::Descriptor(descriptor)));
 }
 
-void serveWhoeverListens(const char* socket, const palpate::ServoCeilings& ceilings) {
+palpate::Channel reach(const std::string& socket, std::uint64_t first_version) {
+  return palpate::reachEngine(socket, palpate::programCommit(), first_version);
+}
+
+// Without its broker a servo finds no engine any more, so it ends, and whoever watches over it starts another one.
+palpate::Channel reachBy(palpate::Broker& broker, std::uint64_t first_version) {
+  try {
+    return broker.greet(first_version);
+  } catch (const palpate::Error& error) {
+    if (broker.isGone()) throw std::runtime_error(error.what());
+    throw;
+  }
+}
+
+// `broker`: null where the servo kept the right to connect itself.
+void serveWhoeverListens(const std::string& socket, const palpate::ServoCeilings& ceilings, palpate::Broker* broker) {
   for (const int signal : {SIGINT, SIGTERM}) static_cast<void>(std::signal(signal, askToStop));
   static_cast<void>(std::signal(SIGHUP, SIG_IGN));
   palpate::keepServo({.socket = socket,
                       .commit = palpate::programCommit(),
+                      .reach =
+                          [&](std::uint64_t first_version) {
+                            return broker != nullptr ? reachBy(*broker, first_version) : reach(socket, first_version);
+                          },
                       .ceilings = ceilings,
                       .stopped = [] { return stop_asked != 0; },
                       .tell = tell});
@@ -99,13 +145,20 @@ int main(int argc, char** argv) {
       return kUsage;
     }
     ceilings = palpate::tighter(ceilings, palpate::ceilingsOfFile(palpate::ceilingsFile()));
+    std::optional<palpate::Broker> broker;
     if (is_open) {
       palpate::tellUser("servo: --no-sandbox: it keeps all its rights, and is for debugging only");
     } else {
+      closeWhatIsLeft(is_made ? std::atoi(argv[2]) : STDERR_FILENO);
+      palpate::Broker::Tasks tasks{.open = palpate::openHidrawNode};
+      if (stays) tasks.greet = [socket = std::string(argv[2])](std::uint64_t number) { return reach(socket, number); };
+      broker.emplace(std::move(tasks));
+      palpate::openHidrawBy([&](const std::string& path) { return broker->open(path); });
+      loadLibraries();
       giveUpRights(is_made);
     }
     engine_is_told = is_made;
-    is_made ? serveMaker(argv[2], ceilings) : serveWhoeverListens(argv[2], ceilings);
+    is_made ? serveMaker(argv[2], ceilings) : serveWhoeverListens(argv[2], ceilings, broker ? &*broker : nullptr);
     return 0;
   } catch (const palpate::Error& error) {
     if (!engine_is_told) palpate::tellError(error.what());

@@ -153,7 +153,7 @@ bool ClientDesk::listenTo(Client& client, std::string& why) {
         why = fmt::format("it sent a message {} where none may be", kindOf(body));
         return false;
       }
-      if (!mayAsk(client, *ask)) return false;
+      if (!mayAsk(client, *ask, packet.sender)) return false;
       client.guest.heard_ns = monotonicNow_ns();
       take(client, *ask);
     }
@@ -184,7 +184,14 @@ void ClientDesk::tellThatAllPlacesAreTaken(Client& client) {
 }
 
 // Somebody may have left, or become idle, since it came.
-bool ClientDesk::mayAsk(Client& client, const wire::AskT& ask) {
+bool ClientDesk::mayAsk(Client& client, const wire::AskT& ask, std::int64_t sender) {
+  if (served_.isServo(sender) || served_.isServo(client.process)) {
+    tellOfClient(fmt::format("client {} (process {}) is turned away: it is a servo", client.number, sender));
+    turnAway(client.channel, Error(Error::Code::kBadInput, "the service",
+                                   fmt::format("process {} is its servo, which asks for nothing", sender),
+                                   "ask from a program of your own, as palpate ctl"));
+    return false;
+  }
   if (!client.guest.on_trial) return true;
   const bool has_room = ClientPlaces::entryOf(guests()) == ClientPlaces::Entry::kWithAPlace || makeRoom();
   if (has_room) {

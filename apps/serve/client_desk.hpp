@@ -5,7 +5,8 @@
 // (service/messages). A client that breaks the rules, asks too often, does not read its answers or says nothing for
 // kSilence_s at first is dropped with a word; nobody waits for it. Of more clients than there are places, idle ones go
 // (client_places.hpp). More than kMostOpen questions of one client at once are refused, so memory per client is
-// bounded. A servo that connects is handed to the engine. One thread makes it and calls round() and flush().
+// bounded. A servo that connects is handed to the engine, and is no client, on another connection either. One thread
+// makes it and calls round() and flush().
 #pragma once
 
 #include <atomic>
@@ -78,8 +79,8 @@ class ClientDesk {
   void tellOfClient(const std::string& words);
   // False: it is to be dropped, for `why`; empty: it has left.
   [[nodiscard]] bool listenTo(Client& client, std::string& why);
-  // Of a client on trial: whether it is answered. If not it has been told why.
-  [[nodiscard]] bool mayAsk(Client& client, const wire::AskT& ask);
+  // Of a client on trial, and of a servo: whether it is answered. If not it has been told why.
+  [[nodiscard]] bool mayAsk(Client& client, const wire::AskT& ask, std::int64_t sender);
   void tellThatAllPlacesAreTaken(Client& client);
   void greet(Client& client, const wire::HelloT& hello);
   void take(Client& client, const wire::AskT& ask);

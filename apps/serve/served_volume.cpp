@@ -182,7 +182,7 @@ void ServedVolume::feel(std::unique_ptr<RemoteServo> next) {
   {
     const std::lock_guard lock(mutex_);
     status_.servo = true;
-    status_.servo_process = door_->process();
+    status_.servo_process = servo_->process();
     ++status_.servos;
   }
   LoopParameters loop = loopParameters(scene());

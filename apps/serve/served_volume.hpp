@@ -72,6 +72,7 @@ class ServedVolume {
   [[nodiscard]] bool attach(Channel&& channel, const wire::HelloT& hello) {
     return door_->letIn(std::move(channel), hello);
   }
+  [[nodiscard]] bool isServo(std::int64_t process) { return door_->isServo(process); }  // ServoDoor
 
   // Each `done` is called once, by any thread, with what became of it.
   using Done = std::function<void(const std::optional<Error>& refusal)>;

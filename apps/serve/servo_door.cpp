@@ -16,6 +16,7 @@ constexpr int kLoopPatience_ms = 2000;      // with one that makes its loop, whi
 ServoDoor::ServoDoor(Ours ours, Tell tell) : ours_(std::move(ours)), tell_(std::move(tell)) {}
 
 bool ServoDoor::letIn(Channel&& channel, const wire::HelloT& hello) {
+  processes_.note(channel.peer().process);
   {
     const std::lock_guard lock(mutex_);
     if (std::exchange(has_one_, true)) return false;
@@ -33,7 +34,6 @@ bool ServoDoor::letIn(Channel&& channel, const wire::HelloT& hello) {
 
 void ServoDoor::greet(Channel channel, const wire::HelloT& hello) {
   nameThisThread("greeter");
-  const std::int64_t process = channel.peer().process;
   const Vec3 begins_there_W = ours_.way != nullptr ? ours_.way->position(0) : Vec3::Zero();
   try {
     auto servo = std::make_unique<RemoteServo>(
@@ -48,8 +48,8 @@ void ServoDoor::greet(Channel channel, const wire::HelloT& hello) {
                                                  .hello = &hello,
                                                  .patience_ms = kDevicePatience_ms,
                                                  .loop_patience_ms = kLoopPatience_ms});
+    processes_.note(servo->process());
     const std::lock_guard lock(mutex_);
-    process_ = process;
     next_ = std::move(servo);
   } catch (const std::exception& error) {
     hasLeft();
@@ -65,11 +65,6 @@ std::unique_ptr<RemoteServo> ServoDoor::takeNext() {
 void ServoDoor::hasLeft() {
   const std::lock_guard lock(mutex_);
   has_one_ = false;
-}
-
-std::int64_t ServoDoor::process() const {
-  const std::lock_guard lock(mutex_);
-  return process_;
 }
 
 void ServoDoor::tellTrouble(const std::string& why) {

@@ -11,6 +11,7 @@
 #include <string>
 #include <thread>
 
+#include "apps/serve/servo_processes.hpp"
 #include "apps/servo_side/remote_servo.hpp"
 #include "service/channel/channel.hpp"
 
@@ -35,7 +36,9 @@ class ServoDoor {
   // One whose device is ready; null: none. It is there until hasLeft().
   [[nodiscard]] std::unique_ptr<RemoteServo> takeNext();
   void hasLeft();
-  [[nodiscard]] std::int64_t process() const;  // of the newest one; 0: none
+  // Whether this process is a servo that was here, or has connected one. It asks for nothing as clients do: a servo has
+  // given up the right to change files, and would have them changed.
+  [[nodiscard]] bool isServo(std::int64_t process) { return processes_.contains(process); }
   // Why a servo did not come to be; told once, however often it tries again.
   void tellTrouble(const std::string& why);
   void noTrouble();
@@ -47,10 +50,10 @@ class ServoDoor {
 
   const Ours ours_;
   const Tell tell_;
-  mutable std::mutex mutex_;  // guards what follows
+  ServoProcesses processes_;
+  std::mutex mutex_;  // guards what follows
   bool has_one_ = false;
   std::unique_ptr<RemoteServo> next_;
-  std::int64_t process_ = 0;
   std::string trouble_;
   std::jthread greeter_;  // last member: it uses the others
 };

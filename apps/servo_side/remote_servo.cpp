@@ -101,6 +101,7 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
   if (request.recorded_reads > 0) most_recording_bytes_ = mostRecordingBytes(request.recorded_reads);
   channel_.send(std::move(make), way.descriptor());
   const auto made = channel_.expect<wire::DeviceMadeT>(request.patience_ms).first;
+  process_ = channel_.lastSender();
   device_ = std::make_unique<Proxy>(made);
   if (made.is_placed) placed_ = {made.place_scale, made.force_scale};
   if (made.session_stiffness_N_per_m > 0) session_ = {made.session_stiffness_N_per_m, made.session_damping_Ns_per_m};

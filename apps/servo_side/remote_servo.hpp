@@ -52,6 +52,8 @@ class RemoteServo final : public ServoSide {
 
   // For the engine, before the loop is made: its memory, and the number of the first window there.
   [[nodiscard]] LinkMemory& memory() noexcept { return memory_; }
+  // The one that made the device, as the kernel says; 0: it is not known here, as in another container.
+  [[nodiscard]] std::int64_t process() const noexcept { return process_; }
   [[nodiscard]] std::uint64_t firstVersion() const noexcept { return first_version_; }
   // It goes on when this one is let go, or its process ends: requestStop() then leaves it, and its result is empty.
   [[nodiscard]] bool stays() const noexcept { return stays_; }
@@ -119,6 +121,7 @@ class RemoteServo final : public ServoSide {
   std::atomic<std::uint64_t> given_{0};
   std::atomic<std::uint64_t> ended_{0};
   std::uint64_t first_version_ = 1;
+  std::int64_t process_ = 0;
   bool stays_ = false;
   std::atomic<bool> running_{false}, stop_{false};
   LoopResult result_;

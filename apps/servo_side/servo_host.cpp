@@ -44,17 +44,16 @@ class ServoHost::Impl {
       : stays_(stays), commit_(std::move(commit)), tell_(std::move(tell)), ceilings_(ceilings) {}
   ~Impl() { stopLoop(); }
 
-  void serve(Channel channel, const std::function<bool()>& stopped) {
+  [[nodiscard]] std::uint64_t firstVersion() const noexcept { return engines_ * kVersionsOfAnEngine + 1; }
+
+  void serve(Channel channel, const std::function<bool()>& stopped, bool is_greeted) {
+    if (!is_greeted && !channel.send(greeting(commit_, firstVersion(), stays_), MessageChannel::kPatience_ms))
+      channel.close();  // it is gone, which is told below
+    ++engines_;
     channel_.emplace(std::move(channel), "the engine");
     ended_ = is_shared_ = false;
     stale_.beginAnew();
-    wire::HelloT hello;
-    hello.layout = kLinkLayout;
-    hello.commit = commit_;
-    hello.first_version = engines_++ * kVersionsOfAnEngine + 1;
-    hello.stays = stays_;
     try {
-      channel_->send(std::move(hello));
       while (!ended_ && !stopped()) listen();
     } catch (...) {
       leaveEngine();
@@ -432,8 +431,21 @@ ServoHost::ServoHost(bool stays, std::string commit, Tell tell, ServoCeilings ce
     : impl_(std::make_unique<Impl>(stays, std::move(commit), std::move(tell), ceilings)) {}
 ServoHost::~ServoHost() = default;
 
-void ServoHost::serve(Channel channel, const std::function<bool()>& stopped) {
-  impl_->serve(std::move(channel), stopped);
+std::uint64_t ServoHost::firstVersion() const {
+  return impl_->firstVersion();
+}
+
+void ServoHost::serve(Channel channel, const std::function<bool()>& stopped, bool is_greeted) {
+  impl_->serve(std::move(channel), stopped, is_greeted);
+}
+
+std::vector<std::byte> greeting(const std::string& commit, std::uint64_t first_version, bool stays) {
+  wire::HelloT hello;
+  hello.layout = kLinkLayout;
+  hello.commit = commit;
+  hello.first_version = first_version;
+  hello.stays = stays;
+  return encoded(std::move(hello));
 }
 
 }  // namespace palpate

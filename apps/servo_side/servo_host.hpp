@@ -9,14 +9,21 @@
 // that begin anew. No engine gets more than the servo's own ceilings allow. One thread.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "apps/servo_side/servo_ceilings.hpp"
 #include "service/channel/channel.hpp"
 
 namespace palpate {
+
+// The first message of a servo that was built from `commit`. `first_version`: of the windows that this engine will show
+// it. `stays`: it outlives its engine.
+[[nodiscard]] std::vector<std::byte> greeting(const std::string& commit, std::uint64_t first_version, bool stays);
 
 class ServoHost {
  public:
@@ -27,11 +34,14 @@ class ServoHost {
   ServoHost(bool stays, std::string commit, Tell tell = {}, ServoCeilings ceilings = {});
   ~ServoHost();  // the force goes to zero; the device is let go
 
+  // Of the windows that its next engine will show it.
+  [[nodiscard]] std::uint64_t firstVersion() const;
+
   // Until the run that this engine asks for has ended, the engine says that it leaves, or `stopped` says so, which is
-  // asked every some milliseconds. Throws Error: kDevice if the engine is gone before; what its messages make
-  // impossible, which the engine is told too.
+  // asked every some milliseconds. `is_greeted`: the greeting, with firstVersion(), was sent already. Throws Error:
+  // kDevice if the engine is gone before; what its messages make impossible, which the engine is told too.
   void serve(
-      Channel channel, const std::function<bool()>& stopped = [] { return false; });
+      Channel channel, const std::function<bool()>& stopped = [] { return false; }, bool is_greeted = false);
 
  private:
   class Impl;

@@ -38,7 +38,7 @@ class ServoKeeper {
   bool serveNext() {
     std::optional<Channel> channel;
     try {
-      channel = connectTo(keeping_.socket, kPatience_ms);
+      channel = keeping_.reach(host_.firstVersion());
     } catch (const Error& error) {
       tellOnce(error.code() == Error::Code::kNotFound ? fmt::format("waiting for an engine at {}", keeping_.socket)
                                                       : std::string(error.what()));
@@ -46,7 +46,7 @@ class ServoKeeper {
     }
     try {
       if (trouble_.empty()) tellOnce(fmt::format("an engine at {}", keeping_.socket));
-      host_.serve(std::move(*channel), keeping_.stopped);
+      host_.serve(std::move(*channel), keeping_.stopped, true);
       if (keeping_.stopped()) return true;
       tellOnce("the engine has let go of the servo, which looks for it, or for the next one, again");
     } catch (const Error& error) {
@@ -74,6 +74,14 @@ class ServoKeeper {
 };
 
 }  // namespace
+
+Channel reachEngine(const std::string& socket, const std::string& commit, std::uint64_t first_version) {
+  Channel channel = connectTo(socket, kPatience_ms);
+  if (!channel.send(greeting(commit, first_version, true), kPatience_ms))
+    throw Error(Error::Code::kDevice, socket, "the service has ended, or does not listen any more",
+                "look for its last message, and start it again");
+  return channel;
+}
 
 void keepServo(const ServoKeeping& keeping) {
   ServoKeeper(keeping).run();

@@ -88,6 +88,16 @@ std::vector<Descriptor> attachedTo(msghdr& message) {
   return all;
 }
 
+std::int64_t senderOf(msghdr& message) {
+  for (cmsghdr* part = CMSG_FIRSTHDR(&message); part != nullptr; part = CMSG_NXTHDR(&message, part)) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_CREDENTIALS) continue;
+    ucred facts{};
+    std::memcpy(&facts, CMSG_DATA(part), sizeof facts);
+    return facts.pid;
+  }
+  return 0;
+}
+
 // Locked where that is possible, so that of two who find a dead socket there, neither removes what the other has put in
 // its place. A folder needs no file for the lock, which would stay behind.
 Descriptor lockedFolder(const std::string& path, int most_ms) {
@@ -148,7 +158,7 @@ Channel::Got Channel::receive(Packet& packet, int most_ms) {
   packet.bytes.resize(kMostMessageBytes);
   if (!socket_) return Got::kClosed;
   iovec part{.iov_base = packet.bytes.data(), .iov_len = packet.bytes.size()};
-  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostAttached * sizeof(int))> control{};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(kMostAttached * sizeof(int)) + CMSG_SPACE(sizeof(ucred))> control{};
   bool was_reset = false;
   while (true) {
     msghdr message{};
@@ -173,8 +183,14 @@ Channel::Got Channel::receive(Packet& packet, int most_ms) {
     }
     packet.bytes.resize(static_cast<std::size_t>(count));
     if (!attached.empty()) packet.attached = std::move(attached.front());
+    packet.sender = senderOf(message);
     return Got::kPacket;
   }
+}
+
+void Channel::knowSenders() const noexcept {
+  const int yes = 1;
+  setsockopt(socket_.get(), SOL_SOCKET, SO_PASSCRED, &yes, sizeof yes);
 }
 
 Peer Channel::peer() const noexcept {
@@ -194,7 +210,10 @@ std::pair<Channel, Channel> channelPair() {
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0)
     refuseSocket("channel", Error::Code::kIo, formatted("no socket can be made ({})", std::strerror(errno)),
                  "raise the limit of open files (ulimit -n)");
-  return {Channel(Descriptor(ends[0])), Channel(Descriptor(ends[1]))};
+  std::pair<Channel, Channel> both{Channel(Descriptor(ends[0])), Channel(Descriptor(ends[1]))};
+  both.first.knowSenders();
+  both.second.knowSenders();
+  return both;
 }
 
 // Its rights are the socket's before it gets its name, so at no moment may another user open it.
@@ -240,6 +259,7 @@ Channel Listener::accept() {
   rests_until_ns_ = lacks ? monotonicNow_ns() + std::int64_t{1'000'000} * kRest_ms : 0;
   if (!channel.open()) return channel;
   if (!channel.isOfOurs()) channel.close();
+  channel.knowSenders();
   return channel;
 }
 

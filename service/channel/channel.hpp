@@ -22,10 +22,11 @@ inline constexpr std::size_t kMostMessageBytes = std::size_t{64} << 10U;
 
 struct Packet {
   std::vector<std::byte> bytes;
-  Descriptor attached;  // none: the message carried none
+  Descriptor attached;      // none: the message carried none
+  std::int64_t sender = 0;  // the process that sent it, as the kernel says; 0: not known here (Channel::knowSenders())
 };
 
-// Who is at the other end, as the kernel says.
+// Who connected, as the kernel says. It may have handed the connection to another process since.
 struct Peer {
   std::int64_t process = 0;
   std::uint32_t user = 0;
@@ -44,6 +45,8 @@ class Channel {
   // Waits for `most_ms` at most [ms]; below 0: without an end. kClosed: the other side is gone, or broke the rules.
   [[nodiscard]] Got receive(Packet& packet, int most_ms);
 
+  // From now on the kernel says of each packet who sent it. A listener's connections and both ends of channelPair() do.
+  void knowSenders() const noexcept;
   [[nodiscard]] Peer peer() const noexcept;
   [[nodiscard]] bool isOfOurs() const noexcept;                            // of this user, or root
   [[nodiscard]] int descriptor() const noexcept { return socket_.get(); }  // to wait for it with poll(2)

@@ -4,6 +4,7 @@
 // Threads: any may send, one at a time receives. Blocks as it is told; not for the servo's thread.
 #pragma once
 
+#include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -44,6 +45,8 @@ class MessageChannel {
     return {std::move(*content), std::move(received->attached)};
   }
 
+  // Of the last message, as the kernel says; 0: not known (Channel::knowSenders()).
+  [[nodiscard]] std::int64_t lastSender() const noexcept { return packet_.sender; }
   [[nodiscard]] int descriptor() const noexcept { return channel_.descriptor(); }
   // The other side then finds that this one is gone. While nobody receives.
   void close() noexcept { channel_.close(); }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <linux/futex.h>
 #include <linux/netlink.h>
 #include <linux/seccomp.h>
 #include <sched.h>
@@ -105,10 +106,9 @@ class CallFilter {
       allow("fcntl", {is(1, command)});
   }
 
-  // Not both written and run: a module is loaded, machine code is not made.
+  // No machine code is made, and none is loaded: not even from a file, which may be memory, or have been written.
   void allowMemory() {
     allow("mmap", {bits(2, PROT_EXEC, 0)});
-    allow("mmap", {bits(2, PROT_WRITE, 0)});
     allow("mprotect", {bits(2, PROT_EXEC, 0)});
   }
 
@@ -117,7 +117,12 @@ class CallFilter {
     allow("clone", {bits(0, kNewNamespaces, 0)});
     for (const int option : {PR_SET_NAME, PR_GET_NAME, PR_SET_PDEATHSIG, PR_GET_DUMPABLE, PR_CAPBSET_READ, kNameMemory})
       allow("prctl", {is(0, option)});
-    allow("prlimit64", {is(0, 0)});
+    for (const char* name : {"prlimit64", "sched_setscheduler", "sched_setparam", "sched_setaffinity"})
+      allow(name, {is(0, 0)});  // of whoever calls
+    // Without those that lend a waiter's priority to the owner of a lock: that is any process that the word names.
+    for (const int command : {FUTEX_WAIT, FUTEX_WAKE, FUTEX_REQUEUE, FUTEX_CMP_REQUEUE, FUTEX_WAKE_OP,
+                              FUTEX_WAIT_BITSET, FUTEX_WAKE_BITSET})
+      allow("futex", {bits(1, static_cast<std::uint32_t>(FUTEX_CMD_MASK), static_cast<std::uint32_t>(command))});
     for (const char* name : {"kill", "tgkill"}) {
       if (signals_held) {
         allow(name, {});
@@ -130,7 +135,8 @@ class CallFilter {
   void allowSockets() {
     allow("socket", {is(0, AF_UNIX), bits(1, kKindOfSocket, SOCK_SEQPACKET)});
     allow("socket", {is(0, AF_NETLINK), is(2, NETLINK_KOBJECT_UEVENT)});
-    allow("socketpair", {is(0, AF_UNIX)});
+    allow("socketpair", {is(0, AF_UNIX), bits(1, kKindOfSocket, SOCK_SEQPACKET)});  // datagrams could go to others
+    allow("sendto", {bits(4, ~std::uint64_t{0}, 0)});                               // to whom it is connected
   }
 
   // Nor to type into the terminal that the servo was started in (TIOCSTI).

@@ -10,9 +10,9 @@ constexpr const char* kAllowed[] = {
     "brk", "munmap", "mremap", "madvise", "mincore", "msync", "mlock", "mlock2", "munlock", "mlockall", "munlockall",
     "membarrier", "memfd_create", "ftruncate",
     // threads, their priority, signals within the process
-    "futex", "set_robust_list", "get_robust_list", "rseq", "set_tid_address", "arch_prctl", "gettid", "getpid", "getppid",
-    "sched_yield", "sched_setscheduler", "sched_getscheduler", "sched_setparam", "sched_getparam",
-    "sched_get_priority_max", "sched_get_priority_min", "sched_getaffinity", "sched_setaffinity", "getcpu",
+    "set_robust_list", "get_robust_list", "rseq", "set_tid_address", "arch_prctl", "gettid", "getpid", "getppid",
+    "sched_yield", "sched_getscheduler", "sched_getparam", "sched_get_priority_max", "sched_get_priority_min",
+    "sched_getaffinity", "getcpu",
     "rt_sigaction", "rt_sigprocmask", "rt_sigreturn", "rt_sigpending", "rt_sigsuspend", "rt_sigtimedwait", "sigaltstack",
     "restart_syscall", "exit", "exit_group",
     // a child that reads a mesh (base/child_process.hpp) and its limits
@@ -29,9 +29,9 @@ constexpr const char* kAllowed[] = {
     // looking for devices, modules and meshes
     "stat", "lstat", "newfstatat", "statx", "statfs", "fstatfs", "access", "faccessat", "faccessat2", "readlink",
     "readlinkat", "getdents64", "getcwd", "name_to_handle_at",
-    // sockets, once there is one
-    "connect", "bind", "listen", "shutdown", "getsockname", "getpeername", "getsockopt", "setsockopt", "sendto", "sendmsg",
-    "sendmmsg", "recvfrom", "recvmsg", "recvmmsg",
+    // sockets, once there is one; nobody is called up (service/broker)
+    "bind", "listen", "shutdown", "getsockname", "getpeername", "getsockopt", "setsockopt", "sendmsg", "sendmmsg",
+    "recvfrom", "recvmsg", "recvmmsg",
     // who and where it is
     "getuid", "geteuid", "getgid", "getegid", "getresuid", "getresgid", "getgroups", "getpgrp", "getpgid", "getsid",
     "getpriority", "capget", "uname", "sysinfo", "getrandom",

@@ -5,9 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 
 #include <fcntl.h>
 #include <linux/landlock.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -19,11 +22,12 @@ namespace {
 // What the headers of older systems lack.
 constexpr std::uint64_t kTruncate = std::uint64_t{1} << 14U, kIoctlDevice = std::uint64_t{1} << 15U;
 constexpr std::uint64_t kBindTcp = 1, kConnectTcp = 2;
-constexpr std::uint64_t kScopeSignal = 2;
-constexpr int kKnowsRefer = 2, kKnowsTruncate = 3, kKnowsTcp = 4, kKnowsIoctl = 5, kKnowsSignals = 6;
+constexpr std::uint64_t kScopeAbstractSockets = 1, kScopeSignals = 2;
+constexpr int kKnowsRefer = 2, kKnowsTruncate = 3, kKnowsTcp = 4, kKnowsIoctl = 5, kKnowsScopes = 6;
 
 constexpr std::uint64_t kRead = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
 constexpr std::uint64_t kWrite = kRead | LANDLOCK_ACCESS_FS_WRITE_FILE;
+constexpr std::uint64_t kOfFolders = LANDLOCK_ACCESS_FS_READ_DIR;  // of these, what the kernel takes for no plain file
 constexpr std::uint64_t kMake = LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_REMOVE_FILE;
 
 // As the kernel's newest; an older one takes it as long as what it does not know is 0.
@@ -39,10 +43,27 @@ std::uint64_t fileRights(int version) {
   return all;
 }
 
-bool allowBelow(const Descriptor& ruleset, const std::string& folder, std::uint64_t rights) {
-  const Descriptor at(open(folder.c_str(), O_PATH | O_CLOEXEC));
+// At a file, or below a folder.
+bool allowAt(const Descriptor& ruleset, const std::string& path, std::uint64_t rights) {
+  const Descriptor at(open(path.c_str(), O_PATH | O_CLOEXEC));
+  struct stat facts {};
+  if (!at || fstat(at.get(), &facts) != 0) return false;
+  if (!S_ISDIR(facts.st_mode)) rights &= ~kOfFolders;
   landlock_path_beneath_attr rule = {.allowed_access = rights, .parent_fd = at.get()};
-  return at && syscall(SYS_landlock_add_rule, ruleset.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
+  return syscall(SYS_landlock_add_rule, ruleset.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
+}
+
+// A rule holds for all that is below, so to leave one folder out is to name all the others. What cannot be opened, as a
+// link that leads nowhere, is left out, too.
+bool allowReadingBut(const Descriptor& ruleset, const std::string& hidden) {
+  const std::filesystem::path without(hidden);
+  std::error_code failure;
+  int allowed = 0;
+  for (std::filesystem::directory_iterator entry(without.parent_path(), failure), end; entry != end && !failure;
+       entry.increment(failure))
+    if (entry->path() != without && allowAt(ruleset, entry->path().string(), kRead)) ++allowed;
+  if (allowed == 0) errno = failure ? failure.value() : ENOENT;
+  return allowed > 0;
 }
 
 std::string reasonOfErrno() {
@@ -58,7 +79,7 @@ int landlockVersion() noexcept {
   return version > 0 ? static_cast<int>(version) : 0;
 }
 
-FileFence fenceFiles(const std::string& devices, const std::string& own) {
+FileFence fenceFiles(const FencedPlaces& places) {
   FileFence fence;
   const int version = landlockVersion();
   if (version == 0) {
@@ -68,15 +89,16 @@ FileFence fenceFiles(const std::string& devices, const std::string& own) {
   const std::uint64_t files = fileRights(version);
   const Ruleset all = {.files = files,
                        .tcp = version >= kKnowsTcp ? kBindTcp | kConnectTcp : 0,
-                       .scopes = version >= kKnowsSignals ? kScopeSignal : 0};
-  const std::size_t known_bytes = version >= kKnowsSignals ? sizeof all : version >= kKnowsTcp ? 16U : 8U;
+                       .scopes = version >= kKnowsScopes ? kScopeSignals | kScopeAbstractSockets : 0};
+  const std::size_t known_bytes = version >= kKnowsScopes ? sizeof all : version >= kKnowsTcp ? 16U : 8U;
   const Descriptor ruleset(static_cast<int>(syscall(SYS_landlock_create_ruleset, &all, known_bytes, 0)));
-  bool made = ruleset && allowBelow(ruleset, "/", kRead);
-  if (!devices.empty()) made = made && allowBelow(ruleset, devices, files & (kWrite | kIoctlDevice));
-  if (!own.empty()) made = made && allowBelow(ruleset, own, files & (kWrite | kTruncate | kMake));
+  bool made = ruleset && allowReadingBut(ruleset, places.hidden);
+  for (const std::string& device : places.devices)
+    made = made && allowAt(ruleset, device, files & (kWrite | kIoctlDevice));
+  if (!places.own.empty()) made = made && allowAt(ruleset, places.own, files & (kWrite | kTruncate | kMake));
   fence.stands = made && syscall(SYS_landlock_restrict_self, ruleset.get(), 0) == 0;
   if (!fence.stands) fence.why_not = reasonOfErrno();
-  fence.holds_signals = fence.stands && version >= kKnowsSignals;
+  fence.holds_signals = fence.stands && version >= kKnowsScopes;
   return fence;
 }
 

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// service/sandbox/file_fence.hpp: from now on this process reads files, and writes to devices and in one folder alone.
+// service/sandbox/file_fence.hpp: from now on this process reads files, and writes to some devices and in one folder.
 //
 // By Landlock, which the kernel has since 5.13 and which needs no rights. A filter of system calls cannot do it, since
-// it does not see paths. Elsewhere nothing can be made, removed, renamed or emptied, and nowhere run. What is open
-// already, sockets, anonymous memory, and the rights and times of files are not concerned. Newer kernels also keep
-// signals to this process and the children that it has from now on (6.12), and refuse TCP (6.7). Thread: the only one,
-// before it starts others. Some system calls. Linux only.
+// it does not see paths. Elsewhere nothing can be made, removed, renamed or emptied, and nowhere run. In the folder of
+// all devices nothing else can even be read: other programs' shared memory lies there, too, and what a keyboard or a
+// camera says. What is open already, sockets at paths, anonymous memory, and the rights and times of files are not
+// concerned. Newer kernels also keep signals and connections to abstract sockets to this process and the children that
+// it has from now on (6.12), and refuse TCP (6.7).
+// Thread: the only one, before it starts others. Some system calls. Linux only.
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace palpate {
 
@@ -21,9 +24,17 @@ struct FileFence {
   std::string why_not;         // it does not stand
 };
 
-// Below `devices` what exists may be opened for writing, and takes ioctl(2). In `own` plain files may be made, written,
-// renamed and removed. Both are folders that exist; empty: none. The process must not be able to gain rights
-// (PR_SET_NO_NEW_PRIVS). Throws nothing.
-[[nodiscard]] FileFence fenceFiles(const std::string& devices, const std::string& own);
+struct FencedPlaces {
+  // A folder. All that lies beside it, at this moment, can be read, but nothing in it. (A kernel's rule holds for a
+  // whole tree. So the tree itself, "/" for "/dev", cannot be listed any more.)
+  std::string hidden;
+  // Files, or folders for what is or will be in them, which may be read and written, and take ioctl(2).
+  std::vector<std::string> devices = {};
+  // A folder in which plain files may be made, written, renamed and removed. Empty: none.
+  std::string own = {};
+};
+
+// All of these must exist. The process must not be able to gain rights (PR_SET_NO_NEW_PRIVS). Throws nothing.
+[[nodiscard]] FileFence fenceFiles(const FencedPlaces& places);
 
 }  // namespace palpate

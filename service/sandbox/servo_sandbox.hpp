@@ -3,11 +3,13 @@
 // first word from outside.
 //
 // In this order: no rights by running other programs; no capabilities (capabilities.hpp); no memory image on a crash,
-// and no other program of the same user looks into the process (PR_SET_DUMPABLE); files are read only, but for /dev
-// and a folder of the servo's own (file_fence.hpp); system calls by a list (call_filter.hpp). Children and threads
-// inherit all of it, and nothing gives it back. It happens at the start, and not once the device is open: a servo that
-// stays opens devices and takes its real-time priority again and again, and so nothing that an engine or a device says
-// is read with more rights.
+// and no other program of the same user looks into the process (PR_SET_DUMPABLE); files are read only, but for USB
+// devices and a folder of the servo's own, and the rest of /dev not even that (file_fence.hpp); system calls by a list
+// (call_filter.hpp). Children and threads inherit all of it, and nothing gives it back. It happens at the start, and
+// not once the device is open: a servo that stays opens devices and takes its real-time priority again and again, and
+// so nothing that an engine or a device says is read with more rights. What the servo must have from outside
+// afterwards, the connection to an engine and a HID device, another process hands to it (service/broker). The libraries
+// that it may ever need are loaded before: afterwards no machine code comes into the process.
 //
 // Where a system lacks one of these the others stand, and the servo goes on: it says what is missing. The user is not
 // changed: a servo that root starts stays root, without capabilities, and reads what root may read.

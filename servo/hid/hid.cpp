@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/hid/hid.hpp"
 
-#include <cerrno>
+#include <utility>
 
-#include <unistd.h>
+#include <iconv.h>
 
 #include "base/error.hpp"
 #include "base/module.hpp"
 #include "servo/hid/hid_module.hpp"
+#include "servo/hid/hidraw_node.hpp"
 
 namespace palpate {
 namespace {
@@ -20,25 +21,34 @@ const HidModule& module(HidBackEnd back_end) {
   return table;
 }
 
+HidrawOpener& hidrawOpener() {
+  static HidrawOpener opener = openHidrawNode;
+  return opener;
+}
+
 }  // namespace
 
 std::vector<HidInfo> listHid(HidBackEnd back_end) {
   return module(back_end).list();
 }
 
+void openHidrawBy(HidrawOpener opener) {
+  hidrawOpener() = std::move(opener);
+}
+
 std::unique_ptr<ReportPort> openHid(const std::string& path, HidBackEnd back_end) {
-  const HidModule& hid = module(back_end);
-  if (back_end == HidBackEnd::kHidraw && access(path.c_str(), R_OK | W_OK) != 0) {
-    if (errno == ENOENT) throw Error(Error::Code::kNotFound, path, "it is not there any more", "plug the device in");
-    throw Error(Error::Code::kDevice, path, "you have no right to use it",
-                "run 'palpate doctor --install-udev', which installs a rule for it, and plug the device in again");
-  }
+  if (back_end == HidBackEnd::kHidraw) return portAt(hidrawOpener()(path));
   std::string why_not;
-  std::unique_ptr<ReportPort> port = hid.open(path, why_not);
+  std::unique_ptr<ReportPort> port = module(back_end).open(path, why_not);
   if (port == nullptr) {
     throw Error(Error::Code::kDevice, path, "it cannot be opened: " + why_not, "see that no other program uses it");
   }
   return port;
+}
+
+void loadHid() noexcept {
+  loadAhead({"hidraw", "hidusb"});
+  static_cast<void>(iconv_open("WCHAR_T", "UTF-16LE"));  // kept, and with it the library
 }
 
 std::string hidapiVersion(HidBackEnd back_end) {

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// servo/hid/hid.hpp: the HID devices of this machine, and channels to them, by hidapi.
+// servo/hid/hid.hpp: the HID devices of this machine, and channels to them, by hidapi and hidraw.
 //
-// hidapi is loaded when a function here is first called (base/module.hpp). It has two back ends: the kernel's hidraw,
-// which knows usages and needs rights to /dev/hidraw*, and libusb, which takes a device from the kernel, knows no
-// usages and needs rights to /dev/bus/usb. Threads: one thread at a time lists or opens; a port as report_port.hpp
-// says. Linux.
+// hidapi lists all devices and opens those of libusb; a node of hidraw is opened here (hidraw_node.hpp). It is loaded
+// when a function here is first called (base/module.hpp). It has two back ends: the kernel's hidraw, which knows usages
+// and needs rights to /dev/hidraw*, and libusb, which takes a device from the kernel, knows no usages and needs rights
+// to /dev/bus/usb. Threads: one thread at a time lists or opens; a port as report_port.hpp says. Linux.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/descriptor.hpp"
 #include "servo/devices/report_port.hpp"
 
 namespace palpate {
@@ -30,8 +32,17 @@ struct HidInfo {
 // Throws Error(kNotFound) without the module or hidapi, kDevice if hidapi cannot begin.
 [[nodiscard]] std::vector<HidInfo> listHid(HidBackEnd back_end = HidBackEnd::kHidraw);
 
-// Throws Error(kDevice): no rights (with the rule that gives them), gone, or what hidapi says.
+// Throws Error as openHidrawNode() does (hidraw_node.hpp); of libusb kDevice with what hidapi says, and as listHid().
 [[nodiscard]] std::unique_ptr<ReportPort> openHid(const std::string& path, HidBackEnd back_end = HidBackEnd::kHidraw);
+
+// For a process that may not open devices itself: from now on nodes of hidraw are opened so. It throws as
+// openHidrawNode() does. Before any other call.
+using HidrawOpener = std::function<Descriptor(const std::string& path)>;
+void openHidrawBy(HidrawOpener opener);
+
+// Loads all that functions here may ever load, also the table by which hidapi's libusb reads a device's names: for a
+// process that soon may load nothing. What cannot be loaded is told by the function that needs it.
+void loadHid() noexcept;
 
 // hidapi's version; throws as listHid().
 [[nodiscard]] std::string hidapiVersion(HidBackEnd back_end = HidBackEnd::kHidraw);

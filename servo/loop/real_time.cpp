@@ -5,7 +5,7 @@
 #include <system_error>
 #include <thread>
 
-#include <pthread.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <time.h>
 
@@ -28,13 +28,13 @@ RealTimeStatus becomeRealTime(int priority) {
   status.asked = true;
   sched_param wanted{};
   wanted.sched_priority = priority;
-  const int fifo_error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &wanted);
-  status.fifo = fifo_error == 0;
+  // 0: this thread. A servo may not name threads here, not even its own (service/sandbox).
+  status.fifo = sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
   if (!status.fifo) {
     status.notes.push_back(
         formatted("no real-time priority (SCHED_FIFO {}): {}; allow rtprio {} or more for the user in "
                   "/etc/security/limits.conf, or expect more late ticks",
-                  priority, reason(fifo_error), priority));
+                  priority, reason(errno), priority));
   }
   // On fault: pages that are not in use yet, such as those of other threads' stacks, are not loaded.
   status.memory_locked = mlockall(MCL_CURRENT | MCL_ONFAULT) == 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -92,20 +93,58 @@ bool sendAny(Channel& to, const std::vector<std::byte>& bytes, int attached) {
   return ::send(to.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT) > 0;
 }
 
+// A process that has greeted as a servo is no client any more, and this one asks on. So servos are processes of their
+// own.
+bool greets(const std::vector<std::byte>& bytes) {
+  try {
+    wire::BodyUnion body = decoded(bytes, "anybody");
+    return contentOf<wire::HelloT>(body) != nullptr;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+// What work() returns, from 0 to 255.
+int inProcessOfItsOwn(const std::function<int()>& work) {
+  const pid_t child = fork();
+  if (child == 0) _exit(work());
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
 void Hostile::sendAll(int messages, HostileMessages& from) {
   constexpr std::size_t kAtOnce = 12, kSilent = 10;
-  std::vector<Channel> attackers(kAtOnce), silent;
+  struct Attacker {
+    Channel channel;
+    bool has_spoken = false;
+  };
+  std::vector<Attacker> attackers(kAtOnce);
+  std::vector<Channel> silent;
   const Descriptor nothing(open("/dev/null", O_RDONLY | O_CLOEXEC));
   const std::uint64_t enough = sent_ + static_cast<std::uint64_t>(messages);
   for (int i = 0; sent_ < enough; ++i) {
-    Channel& attacker = attackers[from.below(kAtOnce)];
+    auto& [attacker, has_spoken] = attackers[from.below(kAtOnce)];
     if (!attacker.open()) {
       attacker = connectTo(socket());
+      has_spoken = false;
       ++connections_;
     }
     const std::vector<std::byte> bytes = from.next();
     const int attached = from.below(50) == 0 ? nothing.get() : -1;
-    if (sendAny(attacker, bytes, attached)) {
+    if (!has_spoken && greets(bytes)) {
+      sent_ += inProcessOfItsOwn([&] {
+                 Channel servo = connectTo(socket());
+                 const bool is_sent = sendAny(servo, bytes, attached);
+                 Packet answer;
+                 static_cast<void>(servo.receive(answer, 1000));
+                 return is_sent ? 1 : 0;
+               }) == 1
+                   ? 1U
+                   : 0U;
+      ++connections_;
+    } else if (sendAny(attacker, bytes, attached)) {
+      has_spoken = true;
       ++sent_;
     } else if (Packet answer; from.below(2) == 0 && attacker.receive(answer, 0) == Channel::Got::kPacket) {
       continue;  // it is told too much to hear; now it reads one, and asks on
@@ -180,23 +219,32 @@ void Hostile::beBadServos(int servos, HostileMessages& from) {
   std::string commit = run({"--version"}).out;
   commit = commit.substr(commit.find('(') + 1);
   commit.resize(commit.find(')'));
-  for (int i = 0; i < servos; ++i) {
+  const auto beOne = [&](std::uint64_t seed) {
+    HostileMessages its(seed);
     Channel bad = connectTo(socket());
-    ++connections_;
     wire::HelloT hello;
-    hello.layout = from.below(10) == 0 ? static_cast<std::uint32_t>(from.below(1000)) : kLinkLayout;
-    hello.commit = from.below(10) == 0 ? "another" : commit;
-    hello.first_version = from.below(2) == 0 ? ~std::uint64_t{0} - from.below(3) : from.below(3);
-    hello.stays = from.below(2) == 0;
-    if (!bad.send(encoded(hello), 1000)) continue;
-    for (std::size_t left = 1 + from.below(6); left > 0 && bad.open(); --left) {
+    hello.layout = its.below(10) == 0 ? static_cast<std::uint32_t>(its.below(1000)) : kLinkLayout;
+    hello.commit = its.below(10) == 0 ? "another" : commit;
+    hello.first_version = its.below(2) == 0 ? ~std::uint64_t{0} - its.below(3) : its.below(3);
+    hello.stays = its.below(2) == 0;
+    int sent = 0;
+    if (!bad.send(encoded(hello), 1000)) return sent;
+    for (std::size_t left = 1 + its.below(6); left > 0 && bad.open(); --left) {
       Packet packet;
       // A right answer now and then, so that it gets further.
-      if (bad.receive(packet, from.below(3) == 0 ? 0 : 50) == Channel::Got::kClosed) break;
-      if (packet.attached) writeMemory(std::move(packet.attached), from);
-      ++sent_;
-      if (!sendAny(bad, from.nextOfAServo(), -1)) break;
+      if (bad.receive(packet, its.below(3) == 0 ? 0 : 50) == Channel::Got::kClosed) break;
+      if (packet.attached) writeMemory(std::move(packet.attached), its);
+      ++sent;
+      if (!sendAny(bad, its.nextOfAServo(), -1)) break;
     }
+    return sent;
+  };
+  for (int i = 0; i < servos; ++i) {
+    const std::uint64_t seed = from.below(std::size_t{1} << 30U);
+    const int sent = inProcessOfItsOwn([&] { return beOne(seed); });
+    ASSERT_GE(sent, 0);
+    sent_ += static_cast<std::uint64_t>(sent);
+    ++connections_;
     if (i % 20 == 0) {
       ASSERT_EQ(figures().at("edits"), 0) << "after " << i << " servos";
     }

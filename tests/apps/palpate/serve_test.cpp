@@ -519,6 +519,47 @@ TEST_F(BadClients, OneThatSaysWhatOnlyAServoMay) {
   EXPECT_TRUE(awaitSaid("is dropped: it sent a message LoopMade where none may be")) << contentsOf(file("serve.log"));
 }
 
+// A servo has given up the right to change files; an engine that did it for it would give that right back. This process
+// greets as one, and is refused from then on: on new connections, on one that it had before, and on one that it hands
+// to a child.
+TEST_F(BadClients, AServoAsksForNothing) {
+  Channel before = connected();
+  Packet packet;
+  ASSERT_TRUE(before.send(question(wire::Verb::Status), 1000));
+  ASSERT_EQ(before.receive(packet, 20'000), Channel::Got::kPacket);
+  Channel servo = connected(), handed = connected();
+  wire::HelloT hello;
+  hello.commit = "another";
+  ASSERT_TRUE(servo.send(encoded(std::move(hello)), 1000));
+  while (servo.receive(packet, 20'000) == Channel::Got::kPacket) {
+  }
+  ASSERT_FALSE(servo.open()) << "it is let go, since it is of another version";
+  const auto isRefused = [&](Channel& client, pid_t asker, const std::function<bool()>& ask) {
+    ASSERT_TRUE(ask());
+    ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);
+    wire::BodyUnion body = decoded(packet.bytes, "the service");
+    const auto* const refusal = contentOf<wire::RefusalT>(body);
+    ASSERT_NE(refusal, nullptr) << kindOf(body);
+    EXPECT_EQ(refusal->reason, fmt::format("process {} is its servo, which asks for nothing", asker));
+    EXPECT_EQ(client.receive(packet, 20'000), Channel::Got::kClosed);
+  };
+  for (const wire::Verb verb : {wire::Verb::Edit, wire::Verb::Undo, wire::Verb::Save, wire::Verb::Get,
+                                wire::Verb::Status, wire::Verb::LookOn, wire::Verb::Leave}) {
+    Channel client = connected();
+    isRefused(client, getpid(), [&] { return client.send(question(verb), 1000); });
+  }
+  isRefused(before, getpid(), [&] { return before.send(question(wire::Verb::Status), 1000); });
+  const pid_t child = fork();
+  if (child == 0) _exit(handed.send(question(wire::Verb::Undo), 1000) ? 0 : 1);
+  isRefused(handed, child, [&] {
+    int status = 0;
+    return waitpid(child, &status, 0) == child && status == 0;
+  });
+  EXPECT_TRUE(awaitSaid(fmt::format("(process {}) is turned away: it is a servo", getpid())))
+      << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));  // a program of its own
+}
+
 TEST_F(BadClients, OneOfAnotherProtocol) {
   Channel client = connected();
   for (const std::uint32_t protocol : {std::uint32_t{0}, kProtocol + 1}) {

@@ -64,7 +64,7 @@ class Door : public testing::Test {
 
 TEST_F(Door, OneAtATime) {
   EXPECT_EQ(door_.takeNext(), nullptr);
-  EXPECT_EQ(door_.process(), 0);
+  EXPECT_FALSE(door_.isServo(getpid()));
   ASSERT_TRUE(comes(hello()));
   Channel first = std::move(servo_);
   EXPECT_FALSE(comes(hello())) << "while one makes its device";
@@ -73,7 +73,8 @@ TEST_F(Door, OneAtATime) {
   const std::unique_ptr<RemoteServo> servo = waitForNext();
   ASSERT_NE(servo, nullptr);
   EXPECT_EQ(servo->device().name(), StillDevice().name());
-  EXPECT_EQ(door_.process(), getpid());
+  EXPECT_TRUE(door_.isServo(getpid()));
+  EXPECT_EQ(servo->process(), getpid());
   EXPECT_EQ(door_.takeNext(), nullptr);
   first = std::move(servo_);
   EXPECT_FALSE(comes(hello())) << "while one is there";

@@ -93,6 +93,24 @@ TEST(Channel, CarriesAFile) {
   EXPECT_EQ(openDescriptors(), before);
 }
 
+// Whoever speaks on a connection, whoever made it.
+TEST(Channel, NamesTheSenderOfEachMessage) {
+  auto [ours, theirs] = channelPair();
+  const std::byte word{1};
+  Packet packet;
+  ASSERT_TRUE(theirs.send({&word, 1}, 0));
+  const pid_t child = fork();
+  if (child == 0) _exit(theirs.send({&word, 1}, 0) ? 0 : 1);
+  int status = 1;
+  waitpid(child, &status, 0);
+  ASSERT_EQ(status, 0);
+  ASSERT_EQ(ours.receive(packet, 1000), Channel::Got::kPacket);
+  EXPECT_EQ(packet.sender, getpid());
+  EXPECT_FALSE(packet.attached);
+  ASSERT_EQ(ours.receive(packet, 1000), Channel::Got::kPacket);
+  EXPECT_EQ(packet.sender, child);
+}
+
 TEST(Channel, SaysThatTheOtherSideIsGone) {
   auto [one, other] = channelPair();
   EXPECT_TRUE(one.send(bytesOf("last"), 0));

@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <linux/futex.h>
 #include <linux/netlink.h>
 #include <poll.h>
 #include <sched.h>
@@ -17,13 +18,16 @@
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/mount.h>
+#include <sys/personality.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
 #include <sys/resource.h>
+#include <sys/shm.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
+#include <sys/un.h>
 
 #include "in_child.hpp"
 
@@ -54,6 +58,15 @@ class FilterOfCalls : public testing::Test {
 
 long mapped(int protection, int flags, int descriptor) {
   return mmap(nullptr, 4096, protection, flags, descriptor, 0) == MAP_FAILED ? -1 : 0;
+}
+
+void* freshPage() {
+  return mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+}
+
+long setFifo(pid_t process) {
+  const sched_param wanted = {.sched_priority = 1};
+  return sched_setscheduler(process, SCHED_FIFO, &wanted);
 }
 
 TEST_F(FilterOfCalls, LetsAServoDoItsWork) {
@@ -87,6 +100,21 @@ TEST_F(FilterOfCalls, LetsAServoDoItsWork) {
   EXPECT_EQ(filtered([] { return socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0); }), 0);
   EXPECT_EQ(filtered([] { return socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_KOBJECT_UEVENT); }), 0);
   EXPECT_EQ(filtered([] { return prctl(PR_SET_NAME, "servo", 0, 0, 0); }), 0);
+  EXPECT_EQ(filtered([] {
+              int ends[2] = {};
+              if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0) return ssize_t{-1};
+              return send(ends[0], "words", 5, MSG_NOSIGNAL);
+            }),
+            0);
+  // Whether it may have real time is the system's to say, as without the filter.
+  EXPECT_EQ(filtered([] { return setFifo(0); }), resultInChild([] { return errnoOf([] { return setFifo(0); }); }));
+  EXPECT_EQ(filtered([] {
+              const sched_param same = {.sched_priority = 0};
+              cpu_set_t all = {};
+              return sched_setparam(0, &same) + sched_getaffinity(0, sizeof all, &all) +
+                     sched_setaffinity(0, sizeof all, &all);
+            }),
+            0);
   const rlimit no_image = {0, 0};
   EXPECT_EQ(filtered([&] { return setrlimit(RLIMIT_CORE, &no_image); }), 0);
 }
@@ -138,18 +166,73 @@ TEST_F(FilterOfCalls, RefusesWithoutHarm) {
       {"the system's log", [] { return socket(AF_UNIX, SOCK_DGRAM, 0); }},
       {"routes", [] { return socket(AF_NETLINK, SOCK_RAW, NETLINK_ROUTE); }},
       {"accept", [] { return accept(0, nullptr, nullptr); }},
+      {"to call somebody up",
+       [] {
+         const sockaddr_un there = {.sun_family = AF_UNIX, .sun_path = "/tmp/palpate-fresh"};
+         return connect(socket(AF_UNIX, SOCK_SEQPACKET, 0), reinterpret_cast<const sockaddr*>(&there), sizeof there);
+       }},
+      {"pairs that datagrams leave",
+       [] {
+         int ends[2] = {};
+         return socketpair(AF_UNIX, SOCK_DGRAM, 0, ends);
+       }},
+      {"pairs that a stream leaves",
+       [] {
+         int ends[2] = {};
+         return socketpair(AF_UNIX, SOCK_STREAM, 0, ends);
+       }},
+      {"words to an address", [] { return sendto(0, "x", 1, 0, reinterpret_cast<const sockaddr*>("there"), 5); }},
       {"memory to write and run",
        [] { return mapped(PROT_READ | PROT_WRITE | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1); }},
-      {"memory to run after it was written",
+      {"anonymous memory to run", [] { return mapped(PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1); }},
+      {"memory of a name to run",
        [] {
-         void* const at = mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-         return mprotect(at, 4096, PROT_READ | PROT_EXEC);
+         const int memory = memfd_create("memory", MFD_CLOEXEC);
+         if (ftruncate(memory, 4096) != 0) return 0L;
+         return mapped(PROT_READ | PROT_EXEC, MAP_PRIVATE, memory);
        }},
+      {"shared memory to run",
+       [] {
+         const int memory = memfd_create("memory", MFD_CLOEXEC);
+         if (ftruncate(memory, 4096) != 0) return 0L;
+         return mapped(PROT_READ | PROT_EXEC, MAP_SHARED, memory);
+       }},
+      {"a file to run", [] { return mapped(PROT_READ | PROT_EXEC, MAP_PRIVATE, open("/proc/self/exe", O_RDONLY)); }},
+      {"memory to run after it was written", [] { return mprotect(freshPage(), 4096, PROT_READ | PROT_EXEC); }},
+      {"memory to run after it was written, with a key",
+       [] { return syscall(SYS_pkey_mprotect, freshPage(), 4096, PROT_READ | PROT_EXEC, -1); }},
+      {"pages of a file in another order", [] { return syscall(SYS_remap_file_pages, freshPage(), 4096, 0, 0, 0); }},
+      {"a segment to run", [] { return reinterpret_cast<long>(shmat(0, nullptr, SHM_EXEC)); }},
       {"type into a terminal", [] { return ioctl(0, TIOCSTI, "x"); }},
       {"signals by descriptors", [] { return fcntl(0, F_SETOWN, getppid()); }},
       {"another user", [] { return setuid(1); }},
       {"limits of another process", [] { return prlimit(getppid(), RLIMIT_CORE, nullptr, nullptr); }},
       {"a namespace", [] { return syscall(SYS_clone, CLONE_NEWUSER | SIGCHLD, nullptr, nullptr, nullptr, nullptr); }},
+      {"real time for another", [] { return setFifo(getppid()); }},
+      {"real time for itself by its number", [] { return setFifo(getpid()); }},
+      {"another's parameters",
+       [] {
+         const sched_param wanted = {.sched_priority = 0};
+         return sched_setparam(getppid(), &wanted);
+       }},
+      {"another's processors",
+       [] {
+         const cpu_set_t all = {};
+         return sched_setaffinity(getppid(), sizeof all, &all);
+       }},
+      {"attributes of scheduling", [] { return syscall(SYS_sched_setattr, 0, nullptr, 0); }},
+      {"another's niceness", [] { return setpriority(PRIO_PROCESS, static_cast<id_t>(getppid()), 1); }},
+      {"another's disk priority", [] { return syscall(SYS_ioprio_set, 1, getppid(), 0); }},
+      {"a lock that lends its priority",
+       [] {
+         std::uint32_t word = static_cast<std::uint32_t>(getppid());  // whose owner it would be
+         return syscall(SYS_futex, &word, FUTEX_LOCK_PI, 0, nullptr, nullptr, 0);
+       }},
+      {"a lock that lends its priority, of one process",
+       [] {
+         std::uint32_t word = static_cast<std::uint32_t>(getppid());
+         return syscall(SYS_futex, &word, FUTEX_LOCK_PI | FUTEX_PRIVATE_FLAG, 0, nullptr, nullptr, 0);
+       }},
       {"a System V segment", [] { return syscall(SYS_shmget, 1, 4096, 0600); }},
   };
   for (const auto& [name, call] : calls) {
@@ -158,6 +241,7 @@ TEST_F(FilterOfCalls, RefusesWithoutHarm) {
     EXPECT_EQ(filtered(call, true), EPERM) << name;
   }
   if (!kSanitized) {
+    EXPECT_EQ(filtered([] { return personality(READ_IMPLIES_EXEC); }), EPERM);
     EXPECT_EQ(filtered([] { return prctl(PR_SET_DUMPABLE, 1, 0, 0, 0); }), EPERM);
   }
 }

@@ -3,6 +3,7 @@
 #include "service/sandbox/file_fence.hpp"
 
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -14,21 +15,26 @@
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 
 #include "in_child.hpp"
 
 namespace palpate {
 namespace file_fence_test {
 
-constexpr int kKnowsTruncate = 3, kKnowsTcp = 4, kKnowsSignals = 6;  // versions of Landlock
+constexpr int kKnowsTruncate = 3, kKnowsTcp = 4, kKnowsScopes = 6;  // versions of Landlock
 
 class FenceOfFiles : public testing::Test {
  protected:
   FenceOfFiles() {
     std::string name = (std::filesystem::temp_directory_path() / "palpate-fence-XXXXXX").string();
     root_ = mkdtemp(name.data());
-    for (const auto& folder : {inside(), devices()}) std::filesystem::create_directories(folder);
-    for (const auto& folder : {root_, inside(), devices()}) std::ofstream(folder / "file") << "words";
+    for (const auto& folder : {inside(), devices(), hidden() / "other"}) std::filesystem::create_directories(folder);
+    for (const auto& folder : {root_, inside(), devices(), hidden(), hidden() / "other"})
+      std::ofstream(folder / "file") << "words";
+    std::filesystem::create_symlink("nowhere", root_ / "link");
+    one_ = hidden() / "one";
+    std::ofstream(one_) << "words";
   }
   ~FenceOfFiles() override { std::filesystem::remove_all(root_); }
   void SetUp() override {
@@ -36,26 +42,41 @@ class FenceOfFiles : public testing::Test {
   }
 
   [[nodiscard]] std::filesystem::path inside() const { return root_ / "inside"; }
-  [[nodiscard]] std::filesystem::path devices() const { return root_ / "devices"; }
+  // As /dev: of all that is in it a folder and a file are devices of the servo's.
+  [[nodiscard]] std::filesystem::path hidden() const { return root_ / "hidden"; }
+  [[nodiscard]] std::filesystem::path devices() const { return hidden() / "devices"; }
+  [[nodiscard]] std::string hiddenFile() const { return (hidden() / "file").string(); }
   [[nodiscard]] std::string file() const { return (root_ / "file").string(); }
   [[nodiscard]] std::string insideFile() const { return (inside() / "file").string(); }
   // errno after the call behind the fence; 0: it works.
   [[nodiscard]] int behind(const std::function<long()>& call) const {
     return resultInChild([&] {
       prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-      return fenceFiles(devices().string(), inside().string()).stands ? errnoOf(call) : 255;
+      // Only beside what is hidden can anything be read, and the fence begins in its folder.
+      const FencedPlaces places = {
+          .hidden = hidden().string(), .devices = {devices().string(), one_.string()}, .own = inside().string()};
+      return fenceFiles(places).stands ? errnoOf(call) : 255;
     });
   }
 
  private:
-  std::filesystem::path root_;
+  std::filesystem::path root_, one_;
 };
 
-TEST_F(FenceOfFiles, ReadsEverywhere) {
+TEST_F(FenceOfFiles, ReadsBesideWhatIsHidden) {
   EXPECT_EQ(behind([&] { return open(file().c_str(), O_RDONLY); }), 0);
   EXPECT_EQ(behind([&] { return open(insideFile().c_str(), O_RDONLY); }), 0);
-  EXPECT_EQ(behind([] { return open("/", O_RDONLY | O_DIRECTORY); }), 0);
-  EXPECT_EQ(behind([] { return open("/proc/self/statm", O_RDONLY); }), 0);
+  EXPECT_EQ(behind([&] { return open(inside().c_str(), O_RDONLY | O_DIRECTORY); }), 0);
+}
+
+TEST_F(FenceOfFiles, WhatIsHiddenIsNotReadOrWritten) {
+  for (const std::string& path : {hiddenFile(), (hidden() / "other/file").string()}) {
+    EXPECT_EQ(behind([&] { return open(path.c_str(), O_RDONLY); }), EACCES);
+    EXPECT_EQ(behind([&] { return open(path.c_str(), O_RDWR); }), EACCES);
+  }
+  EXPECT_EQ(behind([&] { return open(hidden().c_str(), O_RDONLY | O_DIRECTORY); }), EACCES);
+  EXPECT_EQ(behind([&] { return open((hidden() / "one").c_str(), O_RDWR); }), 0);
+  EXPECT_EQ(behind([&] { return open((devices() / "file").c_str(), O_RDONLY); }), 0);
 }
 
 TEST_F(FenceOfFiles, WritesInTheFoldersAlone) {
@@ -80,7 +101,7 @@ TEST_F(FenceOfFiles, MakesAndRemovesPlainFilesInItsOwnFolder) {
 }
 
 TEST_F(FenceOfFiles, MakesRemovesAndRunsNothingElsewhere) {
-  for (const std::filesystem::path& folder : {devices(), inside().parent_path()}) {
+  for (const std::filesystem::path& folder : {devices(), hidden(), inside().parent_path()}) {
     const std::string old = (folder / "file").string(), fresh = (folder / "fresh").string();
     EXPECT_EQ(behind([&] { return open(fresh.c_str(), O_WRONLY | O_CREAT, 0600); }), EACCES);
     EXPECT_EQ(behind([&] { return mkdir(fresh.c_str(), 0700); }), EACCES);
@@ -92,7 +113,7 @@ TEST_F(FenceOfFiles, MakesRemovesAndRunsNothingElsewhere) {
 }
 
 TEST_F(FenceOfFiles, SignalsReachNobodyElse) {
-  if (landlockVersion() < kKnowsSignals) GTEST_SKIP() << "this kernel's Landlock does not hold signals";
+  if (landlockVersion() < kKnowsScopes) GTEST_SKIP() << "this kernel's Landlock does not hold signals";
   EXPECT_EQ(behind([] { return kill(getppid(), 0); }), EPERM);
   EXPECT_EQ(behind([] { return kill(getpid(), 0); }), 0);
   EXPECT_EQ(behind([] {
@@ -106,6 +127,24 @@ TEST_F(FenceOfFiles, SignalsReachNobodyElse) {
               return result;
             }),
             0);
+}
+
+// A name of the kernel's, at which somebody listens who is not behind the fence.
+TEST_F(FenceOfFiles, CallsNobodyUpWhoHasNoFile) {
+  if (landlockVersion() < kKnowsScopes) GTEST_SKIP() << "this kernel's Landlock does not hold abstract sockets";
+  sockaddr_un there = {};
+  there.sun_family = AF_UNIX;
+  const std::string name = "palpate-fence-" + std::to_string(getpid());
+  name.copy(there.sun_path + 1, sizeof there.sun_path - 1);
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  const auto* const address = reinterpret_cast<const sockaddr*>(&there);
+  const int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
+  ASSERT_EQ(bind(listener, address, size), 0);
+  ASSERT_EQ(listen(listener, 1), 0);
+  const auto call = [&] { return connect(socket(AF_UNIX, SOCK_SEQPACKET, 0), address, size); };
+  EXPECT_EQ(resultInChild([&] { return errnoOf(call); }), 0);
+  EXPECT_EQ(behind(call), EPERM);
+  close(listener);
 }
 
 TEST_F(FenceOfFiles, HasNoTcp) {
@@ -124,7 +163,7 @@ TEST_F(FenceOfFiles, HasNoTcp) {
 TEST_F(FenceOfFiles, SaysWhyThereIsNone) {
   EXPECT_EQ(resultInChild([] {
               prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-              const FileFence fence = fenceFiles("/there/is/no/such/folder", "");
+              const FileFence fence = fenceFiles({.hidden = "/there/is/no/such/folder"});
               return !fence.stands && !fence.holds_signals && !fence.why_not.empty() ? 0 : 1;
             }),
             0);

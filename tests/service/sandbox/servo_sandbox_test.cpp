@@ -14,6 +14,8 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sched.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -51,7 +53,24 @@ int within(const std::function<long()>& call) {
   });
 }
 
-TEST_F(Sandbox, IsOneWithAnEngineAndItsDevice) {
+// What is handed to it (service/broker): an engine's end, and a device that is open.
+TEST_F(Sandbox, UsesWhatIsHandedToIt) {
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends), 0);
+  EXPECT_EQ(within([&] { return send(ends[0], "words", 5, MSG_NOSIGNAL); }), 0);
+  const int device = open("/dev/zero", O_RDWR | O_CLOEXEC);
+  char byte = 0;
+  EXPECT_EQ(within([&] { return read(device, &byte, 1); }), 0);
+  EXPECT_EQ(within([&] { return write(device, &byte, 1); }), 0);
+  for (const int one : {ends[0], ends[1], device}) close(one);
+  EXPECT_EQ(within([&] { return open(file("words").c_str(), O_RDONLY); }), 0);
+  EXPECT_EQ(within([] { return open("/proc/self/statm", O_RDONLY); }), 0);
+  EXPECT_EQ(within([] { return open("/sys/class", O_RDONLY | O_DIRECTORY); }), 0);
+  EXPECT_EQ(within([] { return std::filesystem::read_symlink("/proc/self/exe").empty() ? -1 : 0; }), 0);
+}
+
+// At a path and at a name of the kernel's.
+TEST_F(Sandbox, CallsNobodyUp) {
   const int listener = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0);
   sockaddr_un address = {};
   address.sun_family = AF_UNIX;
@@ -59,17 +78,89 @@ TEST_F(Sandbox, IsOneWithAnEngineAndItsDevice) {
   const auto* const there = reinterpret_cast<const sockaddr*>(&address);
   ASSERT_EQ(bind(listener, there, sizeof address), 0);
   ASSERT_EQ(listen(listener, 4), 0);
-  EXPECT_EQ(within([&] { return connect(socket(AF_UNIX, SOCK_SEQPACKET, 0), there, sizeof address); }), 0);
+  const auto call = [&] { return connect(socket(AF_UNIX, SOCK_SEQPACKET, 0), there, sizeof address); };
+  EXPECT_EQ(resultInChild([&] { return errnoOf(call); }), 0);
+  EXPECT_EQ(within(call), EPERM);
+  EXPECT_EQ(within([&] {
+              const pid_t child = fork();
+              if (child == 0) _exit(errnoOf(call));
+              int status = 0;
+              waitpid(child, &status, 0);
+              errno = WEXITSTATUS(status);
+              return errno == 0 ? 0 : -1;
+            }),
+            EPERM);
   close(listener);
-  EXPECT_EQ(within([] { return open("/dev/null", O_RDWR); }), 0);
-  EXPECT_EQ(within([&] { return open(file("words").c_str(), O_RDONLY); }), 0);
-  EXPECT_EQ(within([] { return open("/proc/self/statm", O_RDONLY); }), 0);
-  EXPECT_EQ(within([] { return std::filesystem::read_symlink("/proc/self/exe").empty() ? -1 : 0; }), 0);
 }
 
-// As a module is, when a scene first needs it.
-TEST_F(Sandbox, LoadsLibraries) {
-  EXPECT_EQ(within([] { return dlopen("libresolv.so.2", RTLD_NOW | RTLD_LOCAL) != nullptr ? 0 : -1; }), 0);
+// The two holes through which there were others: memory with a name, and a file that could be written before.
+TEST_F(Sandbox, RunsNoMachineCodeThatWasNotThere) {
+#if defined(__x86_64__)
+  constexpr unsigned char kReturn7[] = {0xB8, 0x07, 0x00, 0x00, 0x00, 0xC3};  // mov eax, 7; ret
+  const auto made = [&](int protection) -> long {
+    const int memory = memfd_create("code", MFD_CLOEXEC);
+    if (write(memory, kReturn7, sizeof kReturn7) != sizeof kReturn7) return 0;
+    void* const code = mmap(nullptr, 4096, protection, MAP_PRIVATE, memory, 0);
+    if (code == MAP_FAILED) return -1;
+    return reinterpret_cast<int (*)()>(code)() == 7 ? 0 : -1;
+  };
+  ASSERT_EQ(resultInChild([&] { return errnoOf([&] { return made(PROT_READ | PROT_EXEC); }); }), 0);
+  EXPECT_EQ(within([&] { return made(PROT_READ | PROT_EXEC); }), EPERM);
+#endif
+  EXPECT_EQ(within([&] {
+              const int page = open(file("words").c_str(), O_RDONLY);
+              return mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE, page, 0) == MAP_FAILED ? -1 : 0;
+            }),
+            EPERM);
+}
+
+// Those that were loaded before are still there; another one is refused.
+TEST_F(Sandbox, LoadsNoLibraries) {
+  constexpr const char* kAnother = "libBrokenLocale.so.1";  // the C library has it, and nobody uses it
+  const auto loads = [&](int more = 0) { return dlopen(kAnother, RTLD_NOW | RTLD_LOCAL | more) != nullptr; };
+  ASSERT_FALSE(loads(RTLD_NOLOAD));
+  ASSERT_EQ(resultInChild([&] { return loads() ? 0 : 1; }), 0);
+  EXPECT_EQ(resultInChild([&] {
+              static_cast<void>(enterServoSandbox());
+              return loads() ? 0 : 1;
+            }),
+            1);
+  EXPECT_EQ(resultInChild([&] {
+              if (!loads()) return 2;
+              static_cast<void>(enterServoSandbox());
+              return loads() ? 0 : 1;
+            }),
+            0);
+}
+
+// Of /dev it has what its children's words go to; other programs' shared memory, terminals and other devices not even
+// to read.
+TEST_F(Sandbox, HasNoOtherDevices) {
+  EXPECT_EQ(within([] { return open("/dev/null", O_RDWR); }), 0);
+  for (const char* device : {"/dev/zero", "/dev/full", "/dev/tty", "/dev/ptmx", "/dev/urandom"}) {
+    if (access(device, F_OK) != 0) continue;
+    EXPECT_EQ(within([&] { return open(device, O_RDWR); }), EACCES) << device;
+    EXPECT_EQ(within([&] { return open(device, O_RDONLY); }), EACCES) << device;
+  }
+  EXPECT_EQ(within([] { return open("/dev", O_RDONLY | O_DIRECTORY); }), EACCES);
+}
+
+TEST_F(Sandbox, HasNoOthersSharedMemory) {
+  const std::string name = "/palpate-sandbox-" + std::to_string(getpid());
+  const int memory = shm_open(name.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600);
+  if (memory < 0) GTEST_SKIP() << "this machine has no /dev/shm";
+  close(memory);
+  EXPECT_EQ(within([&] { return shm_open(name.c_str(), O_RDWR, 0600); }), EACCES);
+  EXPECT_EQ(within([&] { return shm_open(name.c_str(), O_RDONLY, 0600); }), EACCES);
+  EXPECT_EQ(within([&] { return shm_open((name + "-fresh").c_str(), O_RDWR | O_CREAT, 0600); }), EACCES);
+  EXPECT_EQ(within([&] { return shm_unlink(name.c_str()); }), EACCES);
+  shm_unlink(name.c_str());
+}
+
+// USB devices lie in a folder of their own, also those that are plugged in later.
+TEST_F(Sandbox, HasTheUsbDevices) {
+  if (access("/dev/bus/usb", F_OK) != 0) GTEST_SKIP() << "this machine has no USB";
+  EXPECT_EQ(within([] { return open("/dev/bus/usb", O_RDONLY | O_DIRECTORY); }), 0);
 }
 
 TEST_F(Sandbox, WritesNothingElse) {
@@ -100,6 +191,29 @@ TEST_F(Sandbox, LeavesOthersAlone) {
   EXPECT_EQ(within([] { return open(("/proc/" + std::to_string(getppid()) + "/mem").c_str(), O_RDONLY); }), EACCES);
   EXPECT_EQ(within([] { return socket(AF_INET, SOCK_STREAM, 0); }), EPERM);
   EXPECT_EQ(within([] { return execl("/bin/true", "true", nullptr); }), -SIGSYS);
+}
+
+// Neither real time nor processors nor niceness of another process, which this user could change otherwise.
+TEST_F(Sandbox, SchedulesItselfAlone) {
+  const sched_param same = {.sched_priority = 0};
+  const auto batch = [&](pid_t whom) { return sched_setscheduler(whom, SCHED_BATCH, &same); };
+  const pid_t other = fork();
+  if (other == 0) {
+    pause();
+    _exit(0);
+  }
+  ASSERT_EQ(resultInChild([&] { return errnoOf([&] { return batch(other); }); }), 0);  // it could
+  EXPECT_EQ(within([&] { return batch(other); }), EPERM);
+  EXPECT_EQ(within([&] {
+              cpu_set_t one = {};
+              CPU_SET(0, &one);
+              return sched_setaffinity(other, sizeof one, &one);
+            }),
+            EPERM);
+  EXPECT_EQ(within([&] { return setpriority(PRIO_PROCESS, static_cast<id_t>(other), 5); }), EPERM);
+  EXPECT_EQ(within([&] { return batch(0); }), 0);
+  kill(other, SIGKILL);
+  waitpid(other, nullptr, 0);
 }
 
 // The kernel's own account of a process and of a thread that it starts.

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "service/broker/broker.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <utility>
+
+#include <fcntl.h>
+#include <linux/capability.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "service/messages/message.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kWho = "the servo's broker";
+constexpr char kGreet = 'g', kOpen = 'o';
+constexpr std::size_t kMostWords = 4096;  // of a request [byte]
+constexpr int kOurs = 3;                  // the descriptor over there
+
+// --- the other process ----------------------------------------------------------------------------------------------
+
+// What it needs is this user's already: a socket of this user, and a device that this user may open.
+void giveUpRights() {
+  prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+  prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
+  __user_cap_header_struct head = {.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  const __user_cap_data_struct none[2] = {};
+  syscall(SYS_capset, &head, none);
+  const rlimit no_image = {0, 0};
+  setrlimit(RLIMIT_CORE, &no_image);
+  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
+}
+
+void closeAllBut(const Channel& channel) {
+  const int sink = open("/dev/null", O_RDWR);
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(sink, standard);
+  dup3(channel.descriptor(), kOurs, O_CLOEXEC);
+  syscall(SYS_close_range, kOurs + 1, ~0U, 0);
+}
+
+void answer(Channel& channel, const Broker::Tasks& tasks, const std::string& request) {
+  const std::string words = request.substr(1);
+  Channel reached;
+  Descriptor opened;
+  if (request[0] == kGreet && tasks.greet && words.size() == sizeof(std::uint64_t)) {
+    std::uint64_t first_version = 0;
+    std::memcpy(&first_version, words.data(), sizeof first_version);
+    reached = tasks.greet(first_version);
+  } else if (request[0] == kOpen && tasks.open) {
+    opened = tasks.open(words);
+  } else {
+    throw Error(Error::Code::kBadInput, kWho, "it was asked for what it does not do", "start the servo again");
+  }
+  const std::byte done{0};
+  static_cast<void>(channel.send({&done, 1}, -1, reached.open() ? reached.descriptor() : opened.get()));
+}
+
+[[noreturn]] void serve(const Broker::Tasks& tasks) noexcept {
+  Channel channel{Descriptor(kOurs)};
+  Packet packet;
+  while (channel.receive(packet, -1) == Channel::Got::kPacket) {
+    const std::string request(reinterpret_cast<const char*>(packet.bytes.data()), packet.bytes.size());
+    try {
+      if (request.size() > 1 + kMostWords) break;
+      answer(channel, tasks, request);
+    } catch (const Error& error) {
+      if (!channel.send(encoded(refusalMessage(error)), -1)) break;
+    } catch (const std::exception& failure) {
+      const Error error(Error::Code::kOutOfMemory, kWho, failure.what(), "end other programs");
+      if (!channel.send(encoded(refusalMessage(error)), -1)) break;
+    }
+  }
+  _exit(0);
+}
+
+[[noreturn]] void become(const Channel& channel, const Broker::Tasks& tasks) noexcept {
+  prctl(PR_SET_NAME, "palpate-broker", 0, 0, 0);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) static_cast<void>(std::signal(signal, SIG_IGN));
+  closeAllBut(channel);
+  giveUpRights();
+  serve(tasks);
+}
+
+[[noreturn]] void refuseGone(const char* how) {
+  throw Error(Error::Code::kDevice, kWho, how, "start the servo again");
+}
+
+}  // namespace
+
+Broker::Broker(Tasks tasks) {
+  auto [ours, theirs] = channelPair();
+  process_ = fork();
+  if (process_ < 0)
+    throw Error(Error::Code::kIo, kWho, formatted("no process can be started for it ({})", std::strerror(errno)),
+                "end other programs, or raise the limit of processes (ulimit -u)");
+  if (process_ == 0) become(theirs, tasks);
+  channel_ = std::move(ours);
+}
+
+Broker::~Broker() {
+  channel_.close();
+  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+Channel Broker::greet(std::uint64_t first_version) {
+  std::string words(sizeof first_version, '\0');
+  std::memcpy(words.data(), &first_version, sizeof first_version);
+  return Channel(ask(kGreet, words));
+}
+
+Descriptor Broker::open(const std::string& path) {
+  return ask(kOpen, path);
+}
+
+bool Broker::isGone() const {
+  const std::lock_guard lock(mutex_);
+  return !channel_.open();
+}
+
+Descriptor Broker::ask(char kind, const std::string& words) {
+  if (words.size() > kMostWords)
+    throw Error(Error::Code::kBadInput, kWho, formatted("{} bytes are no path", words.size()), "name a shorter one");
+  const std::string request = kind + words;
+  const std::lock_guard lock(mutex_);
+  Packet packet;
+  Channel::Got got = Channel::Got::kClosed;
+  if (channel_.send(std::as_bytes(std::span(request)), static_cast<int>(kPatience.count())))
+    got = channel_.receive(packet, static_cast<int>(kPatience.count()));
+  // An answer that came later would be taken for that of another question.
+  if (got != Channel::Got::kPacket) channel_.close();
+  if (got == Channel::Got::kClosed) refuseGone("its process has ended");
+  if (got == Channel::Got::kNothing) refuseGone("its process does not answer");
+  if (packet.attached) return std::move(packet.attached);
+  wire::BodyUnion body = decoded(packet.bytes, kWho);
+  if (const auto* const refusal = contentOf<wire::RefusalT>(body)) throw errorOf(*refusal);
+  refuseGone("its process does not hand over what it opened");
+}
+
+}  // namespace palpate
