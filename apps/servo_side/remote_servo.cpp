@@ -77,12 +77,9 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
       aims_(memory_.aims()) {
   const wire::HelloT hello =
       request.hello != nullptr ? *request.hello : channel_.expect<wire::HelloT>(request.patience_ms).first;
-  if (hello.layout != kLinkLayout)
-    refuse("the servo", "it knows another layout of the memory that both share", "build all programs from one version");
-  if (hello.commit != request.commit) {
-    refuse("the servo", fmt::format("it was built from {}, this program from {}", hello.commit, request.commit),
-           "build all programs from one version");
-  }
+  if (hello.layout != kLinkLayout) refuseVersion("it knows another layout of the memory that both share");
+  if (hello.commit != request.commit)
+    refuseVersion(fmt::format("it was built from {}, this program from {}", hello.commit, request.commit));
   first_version_ = std::max<std::uint64_t>(1, hello.first_version);
   stays_ = hello.stays;
   wire::MakeDeviceT make;
@@ -105,6 +102,16 @@ RemoteServo::RemoteServo(Channel channel, const Request& request)
   device_ = std::make_unique<Proxy>(made);
   if (made.is_placed) placed_ = {made.place_scale, made.force_scale};
   if (made.session_stiffness_N_per_m > 0) session_ = {made.session_stiffness_N_per_m, made.session_damping_Ns_per_m};
+}
+
+// It is told too: one that stays would take it for an engine that died, and come again at once.
+void RemoteServo::refuseVersion(const std::string& reason) {
+  const Error error(Error::Code::kBadInput, "the servo", reason, "build all programs from one version");
+  try {
+    channel_.send(refusalMessage(error));
+  } catch (const Error&) {  // it is gone
+  }
+  throw error;
 }
 
 const Device& RemoteServo::device() const noexcept {

@@ -96,6 +96,7 @@ class RemoteServo final : public ServoSide {
  private:
   class Proxy;
 
+  [[noreturn]] void refuseVersion(const std::string& reason);
   void sendMesh(const ContactObject& mesh);
   [[nodiscard]] std::int64_t endPatience_ns(const SafetyParameters& safety) const;
   void take(const wire::EndedT& ended, Descriptor attached);

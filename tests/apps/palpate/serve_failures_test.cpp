@@ -419,6 +419,44 @@ TEST_F(ServeFailures, AStoppedEngineGoesOn) {
   expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));
 }
 
+// A terminal that closes takes no force away: the servo that was started in it goes on.
+TEST_F(ServeFailures, AServoOutlivesAHangUp) {
+  join();
+  ASSERT_TRUE(awaitSaid("waiting for an engine", "servo.log"));
+  killpg(servo.id(), SIGHUP);  // as the kernel sends it: to all of the terminal's group
+  serve({kServedSphere});
+  EXPECT_TRUE(awaitServo()) << contentsOf(file("servo.log"));
+  killpg(servo.id(), SIGHUP);
+  const double tick = status()["tick"];
+  EXPECT_TRUE(await([&](const nlohmann::json& now) { return now["tick"] > tick; })) << contentsOf(file("servo.log"));
+  EXPECT_FALSE(servo.hasEnded());
+}
+
+// A servo that stands still is there, but its pose grows old.
+TEST_F(ServeFailures, AnOldPoseIsTold) {
+  serve({kServedSphere});
+  join();
+  ASSERT_TRUE(awaitServo());
+  servo.send(SIGSTOP);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["pose_age_ms"] > 500; }));
+  EXPECT_THAT(run({"top", "--count", "1"}).out, testing::ContainsRegex("\non .* old "));
+  servo.send(SIGCONT);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["pose_age_ms"] < 100; }));
+  EXPECT_THAT(run({"top", "--count", "1"}).out, testing::Not(HasSubstr(" old ")));
+}
+
+// However long it takes: it says that it waits, and then it has its answer.
+TEST_F(ServeFailures, AClientWaitsAndSaysSo) {
+  serve({kServedSphere});
+  ASSERT_TRUE(awaitService());
+  engine.send(SIGSTOP);
+  RunningProgram client(PALPATE_PROGRAM, {"ctl", "get", "servo.n"}, folder(), "ctl.log");
+  EXPECT_TRUE(awaitSaid("the service has not answered yet; Ctrl-C ends the wait", "ctl.log"));
+  EXPECT_FALSE(client.hasEnded());
+  engine.send(SIGCONT);
+  EXPECT_TRUE(awaitSaid("servo.n = 5", "ctl.log"));
+}
+
 // A servo whose device is not there says so once, and does not flood the terminal.
 TEST_F(ServeFailures, SaysOnceWhyThereIsNoServo) {
   serve({kServedSphere, "--device", "polhem-v1", "--current-limit", "3"});

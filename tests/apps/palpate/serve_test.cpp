@@ -527,13 +527,13 @@ TEST_F(BadClients, AServoAsksForNothing) {
   Packet packet;
   ASSERT_TRUE(before.send(question(wire::Verb::Status), 1000));
   ASSERT_EQ(before.receive(packet, 20'000), Channel::Got::kPacket);
-  Channel servo = connected(), handed = connected();
+  Channel greets = connected(), handed = connected();
   wire::HelloT hello;
   hello.commit = "another";
-  ASSERT_TRUE(servo.send(encoded(std::move(hello)), 1000));
-  while (servo.receive(packet, 20'000) == Channel::Got::kPacket) {
+  ASSERT_TRUE(greets.send(encoded(std::move(hello)), 1000));
+  while (greets.receive(packet, 20'000) == Channel::Got::kPacket) {
   }
-  ASSERT_FALSE(servo.open()) << "it is let go, since it is of another version";
+  ASSERT_FALSE(greets.open()) << "it is let go, since it is of another version";
   const auto isRefused = [&](Channel& client, pid_t asker, const std::function<bool()>& ask) {
     ASSERT_TRUE(ask());
     ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);

@@ -130,6 +130,19 @@ TEST_F(ServoFences, HoldFromWithin) {
   }
 }
 
+// In the words of docs/service.md, where this system has all of it.
+TEST_F(ServoFences, SaysWhatItHasGivenUp) {
+  join();
+  ASSERT_TRUE(awaitSaid("waiting for an engine", "servo.log"));
+  const std::string said = contentsOf(file("servo.log")), first = said.substr(0, said.find('\n'));
+  EXPECT_THAT(first, HasSubstr("palpate: servo: it has given up new privileges, "));
+  EXPECT_EQ(first.find("start it as whoever sits at the machine") != first.npos, geteuid() == 0);
+  if (landlockVersion() > 0 && hasCallFilters()) {
+    EXPECT_THAT(first, HasSubstr("being looked into, all of /dev but USB, writing files outside of " +
+                                 file("run/palpate/calibrated").string() + ", most system calls"));
+  }
+}
+
 // What it needs for a scene with meshes was loaded before, and a file is read in a child.
 TEST_F(ServoFences, MeshesAreFeltBehindThem) {
   write("plate.obj", "v -9 -9 10\nv 9 -9 10\nv 0 9 10\nv 0 0 2\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n");

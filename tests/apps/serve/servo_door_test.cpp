@@ -90,6 +90,12 @@ TEST_F(Door, ATroubleIsToldOnceAndKeepsNobodyOut) {
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(comes(hello("another"))) << i;
     door_.close();
+    Packet packet;
+    ASSERT_EQ(servo_.receive(packet, 0), Channel::Got::kPacket) << "it is told, too, and does not come again at once";
+    wire::BodyUnion body = decoded(packet.bytes, "the engine");
+    const auto* const refusal = contentOf<wire::RefusalT>(body);
+    ASSERT_NE(refusal, nullptr);
+    EXPECT_EQ(refusal->reason, "it was built from another, this program from this");
   }
   EXPECT_THAT(told(), ElementsAre(HasSubstr("it was built from another, this program from this")));
   ASSERT_TRUE(comes(hello()));
