@@ -59,10 +59,11 @@ void closeWhatIsLeft(int but) {
   syscall(SYS_close_range, std::max(kept + 1, kFirstOfOthers), ~0U, 0);
 }
 
-// All that a scene may ever need: afterwards nothing can be loaded.
+// All that a scene may ever need: afterwards nothing can be loaded. The build knows the modules of the rooms that are
+// linked here.
 void loadLibraries() {
-  palpate::loadHid();
-  palpate::loadAhead({"embree", "assimp"});
+  palpate::loadAhead({PALPATE_SERVO_MODULES});
+  palpate::loadHidNames();
 }
 
 // In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:

@@ -46,9 +46,8 @@ std::unique_ptr<ReportPort> openHid(const std::string& path, HidBackEnd back_end
   return port;
 }
 
-void loadHid() noexcept {
-  loadAhead({"hidraw", "hidusb"});
-  static_cast<void>(iconv_open("WCHAR_T", "UTF-16LE"));  // kept, and with it the library
+void loadHidNames() noexcept {
+  static_cast<void>(iconv_open("WCHAR_T", "UTF-16LE"));  // never closed, so the table stays
 }
 
 std::string hidapiVersion(HidBackEnd back_end) {

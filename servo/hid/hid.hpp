@@ -40,9 +40,9 @@ struct HidInfo {
 using HidrawOpener = std::function<Descriptor(const std::string& path)>;
 void openHidrawBy(HidrawOpener opener);
 
-// Loads all that functions here may ever load, also the table by which hidapi's libusb reads a device's names: for a
-// process that soon may load nothing. What cannot be loaded is told by the function that needs it.
-void loadHid() noexcept;
+// Loads, for good, the table by which hidapi's libusb reads a device's names (iconv): for a process that soon may load
+// nothing, modules apart.
+void loadHidNames() noexcept;
 
 // hidapi's version; throws as listHid().
 [[nodiscard]] std::string hidapiVersion(HidBackEnd back_end = HidBackEnd::kHidraw);
