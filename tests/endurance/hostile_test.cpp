@@ -134,10 +134,10 @@ void Hostile::sendAll(int messages, HostileMessages& from) {
     const int attached = from.below(50) == 0 ? nothing.get() : -1;
     if (!has_spoken && greets(bytes)) {
       sent_ += inProcessOfItsOwn([&] {
-                 Channel servo = connectTo(socket());
-                 const bool is_sent = sendAny(servo, bytes, attached);
+                 Channel greeter = connectTo(socket());
+                 const bool is_sent = sendAny(greeter, bytes, attached);
                  Packet answer;
-                 static_cast<void>(servo.receive(answer, 1000));
+                 static_cast<void>(greeter.receive(answer, 1000));
                  return is_sent ? 1 : 0;
                }) == 1
                    ? 1U

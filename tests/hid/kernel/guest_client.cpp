@@ -5,14 +5,19 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/devices/choose_hid.hpp"
 #include "base/error.hpp"
+#include "base/module.hpp"
+#include "service/broker/broker.hpp"
+#include "service/sandbox/servo_sandbox.hpp"
 #include "servo/devices/force_off.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/devices/simulated_device.hpp"
+#include "servo/hid/hidraw_node.hpp"
 #include "tests/hid/kernel/guest_way.hpp"
 
 namespace palpate {
@@ -193,10 +198,23 @@ bool run(const std::string& name, HidBackEnd back_end) {
 }  // namespace
 }  // namespace palpate
 
+// BACKEND is "hidraw" or "libusb", or with "-sandboxed" behind it: then in a process that has given up its rights as a
+// servo does, and has a broker as it has.
 int main(int count, char** words) {
   if (count != 3) return 2;
-  const auto back_end = std::string(words[1]) == "libusb" ? palpate::HidBackEnd::kLibusb : palpate::HidBackEnd::kHidraw;
+  const std::string chosen = words[1];
+  const auto back_end = chosen.starts_with("libusb") ? palpate::HidBackEnd::kLibusb : palpate::HidBackEnd::kHidraw;
+  std::optional<palpate::Broker> broker;
   try {
+    if (chosen.ends_with("-sandboxed")) {
+      broker.emplace(palpate::Broker::Tasks{.open = palpate::openHidrawNode});
+      palpate::openHidrawBy([&](const std::string& path) { return broker->open(path); });
+      palpate::loadAhead({"hidraw", "hidusb"});
+      palpate::loadHidNames();
+      const palpate::SandboxReport report = palpate::enterServoSandbox();
+      std::printf("  %s\n", palpate::wordsOf(report).c_str());
+      if (!report.missing.empty()) return 1;
+    }
     const bool held = palpate::run(words[2], back_end);
     std::fflush(stdout);
     return held ? 0 : 1;

@@ -31,6 +31,11 @@ try libusb silent usbip_polhem --silent-after 0
 try libusb two usbip_polhem --count 2
 try libusb faults usbip_polhem --faults 0.05
 try libusb stall usbip_polhem --silent-after 200
+# In a servo's sandbox, from which devices are found and used, also one that is plugged in after it was entered.
+try hidraw-sandboxed loop uhid_polhem
+try hidraw-sandboxed replug uhid_polhem --unplug-after 200
+try hidraw-sandboxed replug usbip_polhem --unplug-after 200
+try libusb-sandboxed loop usbip_polhem
 # libusb hears of a device that comes later from udev, which this guest has not.
 try libusb unplug usbip_polhem --unplug-after 200
 echo "HID-RESULT $failed"
