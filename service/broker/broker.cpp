@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <span>
+#include <thread>
 #include <utility>
 
 #include <fcntl.h>
@@ -98,7 +100,7 @@ void answer(Channel& channel, const Broker::Tasks& tasks, const std::string& req
 
 }  // namespace
 
-Broker::Broker(Tasks tasks) {
+Broker::Broker(Tasks tasks, std::chrono::milliseconds patience) : patience_ms_(static_cast<int>(patience.count())) {
   auto [ours, theirs] = channelPair();
   process_ = fork();
   if (process_ < 0)
@@ -110,8 +112,9 @@ Broker::Broker(Tasks tasks) {
 
 Broker::~Broker() {
   channel_.close();
-  while (waitpid(process_, nullptr, 0) < 0 && errno == EINTR) {
-  }
+  constexpr int kLooks = 1000;
+  for (int look = 0; look < kLooks && waitpid(process_, nullptr, WNOHANG) == 0; ++look)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
 Channel Broker::greet(std::uint64_t first_version) {
@@ -136,8 +139,7 @@ Descriptor Broker::ask(char kind, const std::string& words) {
   const std::lock_guard lock(mutex_);
   Packet packet;
   Channel::Got got = Channel::Got::kClosed;
-  if (channel_.send(std::as_bytes(std::span(request)), static_cast<int>(kPatience.count())))
-    got = channel_.receive(packet, static_cast<int>(kPatience.count()));
+  if (channel_.send(std::as_bytes(std::span(request)), patience_ms_)) got = channel_.receive(packet, patience_ms_);
   // An answer that came later would be taken for that of another question.
   if (got != Channel::Got::kPacket) channel_.close();
   if (got == Channel::Got::kClosed) refuseGone("its process has ended");

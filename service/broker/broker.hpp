@@ -38,8 +38,8 @@ class Broker {
   // Starts the process; the only thread, before it starts others. Throws Error(kIo) if none can be started. The tasks
   // run over there, and see what was there at this moment. Descriptors but the standard ones, which go nowhere, are not
   // open there.
-  explicit Broker(Tasks tasks);
-  ~Broker();  // its process ends, and is waited for
+  explicit Broker(Tasks tasks, std::chrono::milliseconds patience = kPatience);
+  ~Broker();  // its process ends; one that hangs is waited for a second, and ends when it can
   Broker(const Broker&) = delete;
   Broker& operator=(const Broker&) = delete;
 
@@ -53,6 +53,7 @@ class Broker {
  private:
   [[nodiscard]] Descriptor ask(char kind, const std::string& words);
 
+  const int patience_ms_;
   mutable std::mutex mutex_;  // guards the next
   Channel channel_;
   pid_t process_ = -1;

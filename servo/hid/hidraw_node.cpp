@@ -9,13 +9,13 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <poll.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 
 namespace palpate {
 namespace {
@@ -33,7 +33,7 @@ bool isHidraw(const Descriptor& node, const std::string& path) {
   if (fstat(node.get(), &facts) != 0 || !S_ISCHR(facts.st_mode)) return false;
   std::string numbers;
   std::getline(std::ifstream("/sys/class/hidraw/" + path.substr(path.rfind('/') + 1) + "/dev"), numbers);
-  return numbers == fmt::format("{}:{}", major(facts.st_rdev), minor(facts.st_rdev));
+  return numbers == formatted("{}:{}", major(facts.st_rdev), minor(facts.st_rdev));
 }
 
 class NodePort final : public ReportPort {
@@ -72,7 +72,7 @@ Descriptor openHidrawNode(const std::string& path) {
     if (errno == EACCES || errno == EPERM)
       throw Error(Error::Code::kDevice, path, "you have no right to use it",
                   "run 'palpate doctor --install-udev', which installs a rule for it, and plug the device in again");
-    throw Error(Error::Code::kDevice, path, fmt::format("it cannot be opened: {}", std::strerror(errno)),
+    throw Error(Error::Code::kDevice, path, formatted("it cannot be opened: {}", std::strerror(errno)),
                 "see that no other program uses it");
   }
   if (!isHidraw(node, path))

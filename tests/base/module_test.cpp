@@ -2,10 +2,12 @@
 // The modules "sample" and two strays are built beside this test (CMakeLists.txt).
 #include "base/module.hpp"
 
+#include <algorithm>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "base/mapped_libraries.hpp"
 #include "refusal.hpp"
@@ -32,6 +34,16 @@ TEST(Module, IsLoadedWhenItIsFirstUsed) {
   EXPECT_EQ(loadModule<SampleModule>().twice(21), 42);
   EXPECT_THAT(mappedLibraries(), Contains("sample.so").Times(1));
   EXPECT_EQ(&loadModule<SampleModule>(), &loadModule<SampleModule>());
+}
+
+// For a process that soon may load nothing. What is not there is told when it is needed.
+TEST(Module, IsLoadedAheadWhereThatIsAskedFor) {
+  EXPECT_EXIT(
+      {
+        loadAhead({"none", "sample"});
+        _exit(std::ranges::count(mappedLibraries(), "sample.so") == 1 ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 TEST(Module, ThrowsWhatIsCaughtAsAnError) {

@@ -133,15 +133,14 @@ void Hostile::sendAll(int messages, HostileMessages& from) {
     const std::vector<std::byte> bytes = from.next();
     const int attached = from.below(50) == 0 ? nothing.get() : -1;
     if (!has_spoken && greets(bytes)) {
-      sent_ += inProcessOfItsOwn([&] {
-                 Channel greeter = connectTo(socket());
-                 const bool is_sent = sendAny(greeter, bytes, attached);
-                 Packet answer;
-                 static_cast<void>(greeter.receive(answer, 1000));
-                 return is_sent ? 1 : 0;
-               }) == 1
-                   ? 1U
-                   : 0U;
+      const auto greet = [&] {
+        Channel greeter = connectTo(socket());
+        const bool is_sent = sendAny(greeter, bytes, attached);
+        Packet answer;
+        static_cast<void>(greeter.receive(answer, 1000));
+        return is_sent ? 1 : 0;
+      };
+      if (inProcessOfItsOwn(greet) == 1) ++sent_;
       ++connections_;
     } else if (sendAny(attacker, bytes, attached)) {
       has_spoken = true;

@@ -35,6 +35,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> devices = {"polhem"};  // polhem, teensy, gadget (a Polhem's numbers, but another thing),
+                                                  // impostor (another file lies at a Polhem's node),
                                                   // silent (never answers), spacemouse, keyboard, none
   std::string path_csv;                           // the hand's way in the world; empty: it rests in the middle
   Vec3 at_W = Vec3::Zero();
@@ -184,9 +185,10 @@ std::string testbedText(const std::string& device, std::size_t number) {
       "P: {hid}\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000{vendor}:0000{product}\nE: HID_NAME=Emulated {name}\n"
       "E: HID_UNIQ=E{number}\nH: report_descriptor={hex}\n\n"
       "P: {hid}/hidraw/hidraw{number}\nN: hidraw{number}\nE: DEVNAME=/dev/hidraw{number}\nE: SUBSYSTEM=hidraw\n"
-      "L: device=../../../{hid_name}\nA: dev=240:{number}\n\n",
+      "L: device=../../../{hid_name}\nA: dev={node}\n\n",
       fmt::arg("usb", usb), fmt::arg("interface", interface), fmt::arg("hid", hid), fmt::arg("vendor", vendor),
       fmt::arg("product", product), fmt::arg("name", look.name), fmt::arg("number", number), fmt::arg("hex", hex),
+      fmt::arg("node", device == "impostor" ? std::string("1:3") : fmt::format("240:{}", number)),
       fmt::arg("hid_name", fmt::format("0003:{}:{}.{:04}", vendor, product, number + 1)));
 }
 

@@ -178,6 +178,14 @@ TEST_F(HidTouch, SaysWhyThereIsNoDevice) {
       on({"--devices", "polhem,teensy"}, touch + Words{"--device-path", "/dev/hidraw1", "--seconds", "0.1"}).status, 0);
 }
 
+// Something else lies where a device should: it is not written to, nor by a servo's broker, which is asked for it.
+TEST_F(HidTouch, OpensNothingElse) {
+  const Words touch = {"touch", "phantom:sphere?size=16", "--device", "polhem-v1", "--clock", "simulated"};
+  for (const Words& more : {Words{}, Words{"--service"}})
+    expectRefusal(on({"--devices", "impostor"}, touch + more), "/dev/hidraw0", "what lies there is no device of hidraw",
+                  2);
+}
+
 // Whoever did not check the motors feels less than 1 N, and is told so; the same hand feels more with them checked.
 TEST_F(HidTouch, StaysBelowANewtonUntilTheMotorsAreChecked) {
   const std::string ball = "phantom:sphere?size=32";

@@ -4,6 +4,7 @@
 #include "service/broker/broker.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -15,6 +16,8 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/error.hpp"
@@ -141,6 +144,33 @@ TEST(Broker, WhoIsGoneIsTold) {
     EXPECT_THAT(errorIn([&] { static_cast<void>(broker.open("/proc/self/status")); }),
                 HasSubstr("the servo's broker: its process has ended; start the servo again"));
   EXPECT_TRUE(broker.isGone());
+}
+
+TEST(Broker, OneThatHangsIsTold) {
+  Broker broker({.open = openForReading}, std::chrono::milliseconds(50));
+  const pid_t process = child();
+  kill(process, SIGSTOP);
+  for (const char* how : {"does not answer", "has ended"})  // for an answer that comes later nobody listens
+    EXPECT_THAT(errorIn([&] { static_cast<void>(broker.open("/proc/self/status")); }),
+                HasSubstr(std::string("the servo's broker: its process ") + how));
+  EXPECT_TRUE(broker.isGone());
+  kill(process, SIGCONT);
+}
+
+// The limit counts all processes of a user, but for root.
+TEST(Broker, OneThatCannotBeStartedIsTold) {
+  const pid_t tries = fork();
+  if (tries == 0) {
+    constexpr uid_t kNobody = 65534;
+    const rlimit none = {0, 0};
+    if (geteuid() == 0 && setresuid(kNobody, kNobody, kNobody) != 0) _exit(2);
+    if (setrlimit(RLIMIT_NPROC, &none) != 0) _exit(3);
+    const std::string why = errorIn([] { const Broker broker({.open = openForReading}); });
+    _exit(why.find("no process can be started for it") != why.npos ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(tries, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 }  // namespace broker_test
