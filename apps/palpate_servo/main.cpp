@@ -52,8 +52,11 @@ void tell(const std::string& words) {
 
 constexpr unsigned kFirstOfOthers = 3;  // descriptors
 
-// Whoever started this program may have left files open, which could still be written to.
+// Whoever started this program may have left files open, which could still be written to, and a terminal, in which
+// somebody types.
 void closeWhatIsLeft(int but) {
+  const int nothing = open("/dev/null", O_RDONLY);
+  dup2(nothing, STDIN_FILENO);
   const auto kept = static_cast<unsigned>(but);
   if (kept > kFirstOfOthers) syscall(SYS_close_range, kFirstOfOthers, kept - 1, 0);
   syscall(SYS_close_range, std::max(kept + 1, kFirstOfOthers), ~0U, 0);

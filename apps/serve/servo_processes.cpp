@@ -2,6 +2,7 @@
 #include "apps/serve/servo_processes.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <poll.h>
 #include <sys/syscall.h>

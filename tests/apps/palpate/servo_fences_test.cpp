@@ -3,7 +3,10 @@
 // library that is preloaded into it (servo_probe.cpp). Each row is a sentence of docs/service.md ("What the servo gives
 // up"). Behind all its fences the servo then does its work.
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <string>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -52,6 +55,7 @@ constexpr Attempt kAttempts[] = {
     {"own-remove", 0, 0},
     {"own-memory", EACCES, 0},
     {"left-open", EBADF, 0},
+    {"input", ENODATA, 0},
     // "Sockets are for whole packets."
     {"internet", EPERM, 0},
     {"desktop", EPERM, 0},

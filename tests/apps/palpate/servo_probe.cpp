@@ -160,6 +160,13 @@ void probe() {
   attempt("own-remove", [&] { return unlink(fresh.c_str()); });
   attempt("own-memory", [] { return opened("/proc/self/mem", O_RDWR); });
   attempt("left-open", [] { return fcntl(std::atoi(given("LEFT").c_str()), F_GETFD); });
+  attempt("input", [] {
+    char place[64] = {};
+    const bool is_nothing =
+        readlink("/proc/self/fd/0", place, sizeof place - 1) > 0 && !std::strcmp(place, "/dev/null");
+    errno = ENODATA;
+    return is_nothing ? -1 : 0;
+  });
   attempt("internet", [] { return socket(AF_INET, SOCK_STREAM, 0); });
   attempt("desktop", [] { return socket(AF_UNIX, SOCK_STREAM, 0); });
   attempt("signal-parent", [] { return kill(getppid(), 0); });
