@@ -65,6 +65,7 @@ Scene SceneArguments::scene() const {
   if (scene.volume == of_file) checkVolumeIsThere(scene.volume, source_);
   if (!scene.series.empty()) scene.volume = withSeries(scene.volume, scene.series);
   if (!scene.nan.empty()) scene.volume = withNan(scene.volume, scene.nan);
+  if (scene.resample) scene.volume = withResample(scene.volume);
   return scene;
 }
 

@@ -59,8 +59,8 @@ void printFacts(const Volume& volume) {
               axes(2, 2));
   if (!facts.orientation.empty()) printResult("  orientation  {}\n", facts.orientation);
   if (!facts.remark.empty()) printResult("  note         {}\n", facts.remark);
-  if (!facts.rescale_by_slice.empty()) {
-    printResult("  rescale      density = slope * stored + intercept, by slice: {}\n", facts.rescale_by_slice);
+  if (!facts.rescale_in_words.empty()) {
+    printResult("  rescale      density = {}\n", facts.rescale_in_words);
   }
   if (facts.rescale_slope != 1 || facts.rescale_intercept != 0) {
     printResult("  rescale      density = {:g} * stored + {:g}\n", facts.rescale_slope, facts.rescale_intercept);

@@ -14,17 +14,19 @@ void addVolumeOptions(CLI::App& verb, std::string& volume) {
   auto nan = std::make_shared<std::string>();
   CLI::Option* series_option = verb.add_option("--series", *series, optionOfKey("series")->help);
   CLI::Option* nan_option = verb.add_option("--nan", *nan, optionOfKey("nan")->help);
-  const auto apply = [&volume](const CLI::Option& option, const std::string& value, auto with) {
+  CLI::Option* resample_option = verb.add_flag("--resample", optionOfKey("resample")->help);
+  const auto apply = [&volume](const CLI::Option& option, auto with) {
     if (option.count() == 0) return;
     if (volume.empty()) {
       throw Error(Error::Code::kBadInput, option.get_name(), "there is no volume that it could be said of",
                   "name the volume too");
     }
-    volume = with(volume, value);
+    volume = with(volume);
   };
-  verb.parse_complete_callback([series, nan, series_option, nan_option, apply] {
-    apply(*series_option, *series, withSeries);
-    apply(*nan_option, *nan, withNan);
+  verb.parse_complete_callback([series, nan, series_option, nan_option, resample_option, apply] {
+    apply(*series_option, [&](const std::string& name) { return withSeries(name, *series); });
+    apply(*nan_option, [&](const std::string& name) { return withNan(name, *nan); });
+    apply(*resample_option, withResample);
   });
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// apps/palpate/volume_options.hpp: the options --series and --nan of the verbs that take a volume. Set-up thread.
+// apps/palpate/volume_options.hpp: the options --series, --nan and --resample of the verbs that take a volume. Set-up
+// thread.
 #pragma once
 
 #include <string>
@@ -8,8 +9,8 @@
 
 namespace palpate {
 
-// Adds both options. Before the verb runs, the values given are added to the name in `volume` (withSeries, withNan),
-// which must outlive the verb.
+// Adds these options. Before the verb runs, what is given is added to the name in `volume` (withSeries, withNan,
+// withResample), which must outlive the verb.
 void addVolumeOptions(CLI::App& verb, std::string& volume);
 
 }  // namespace palpate

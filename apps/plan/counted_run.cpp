@@ -104,8 +104,9 @@ std::uint64_t RunCounts::dispatches() const noexcept {
 }
 
 Scene shortRun(Scene scene, const std::filesystem::path& folder) {
-  scene.series.clear();  // the volume's name holds it, as --nan
+  scene.series.clear();  // the volume's name holds it, as --nan and --resample
   scene.nan.clear();
+  scene.resample = false;
   scene.out = (folder / "out").string();
   if (!scene.journal.empty()) scene.journal = journalIn(folder).string();
   if (!scene.save.empty()) scene.save = saveIn(folder).string();

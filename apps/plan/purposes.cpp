@@ -113,10 +113,11 @@ constexpr Purpose kModules[] = {
     {"assimp", "meshes in OBJ files"},
     {"cairo", "pictures"},
     {"embree", "mesh objects, and the algorithm that touches a mesh of the isosurface"},
+    {"gdcm", "packed pixels of DICOM slices"},
     {"hidraw", "a haptic device, by the kernel's hidraw"},
     {"hidusb", "a haptic device, by libusb (--hid libusb)"},
     {"invesalius", "volumes in InVesalius projects (.inv3)"},
-    {"itk", "volumes in DICOM, NRRD and MetaImage"},
+    {"itk", "volumes in NRRD and MetaImage"},
     {"openvdb", "the volume's grid, of whatever format"},
     {"rivals", "benches beside other libraries"},
 };

@@ -40,6 +40,7 @@ struct Scene {
   // volume
   std::string volume;  // file, folder or phantom:NAME?...
   std::string nan;  // density of voxels that are NaN or infinite, as text; empty: NIfTI's become 0, others are refused
+  bool resample = false;            // slices of a tilted gantry are resampled upright; otherwise they are refused
   std::string series;               // of a DICOM folder: number or UID; empty: the only one, or volume names it
   std::optional<double> isovalue;   // tau; empty: suggested from the histogram [density]
   std::vector<ObjectSpec> objects;  // beside the volume

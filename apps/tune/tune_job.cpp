@@ -296,11 +296,12 @@ class TuneJob {
     return words + (noisy ? ", or a volume with less noise" : ", or smaller voxels");
   }
 
-  // The volume's name says series and NaN already.
+  // The volume's name says series, NaN and resampling already.
   [[nodiscard]] std::string tunedScene() {
     Scene scene = bench_->sceneOf(result_.chosen.candidate);
     scene.series.clear();
     scene.nan.clear();
+    scene.resample = false;
     std::string text = tomlComment(fmt::format("{}: {}", kFirstWords, request_.command));
     for (const Reason& reason : result_.reasons)
       text += tomlComment(fmt::format("{} = {}: {}", reason.choice, reason.value, reason.why));

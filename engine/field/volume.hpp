@@ -30,7 +30,7 @@ struct VolumeFacts {
   std::string orientation;   // words: "LPS axes", "RAS file turned to LPS", ...
   double rescale_slope = 1;  // file value * slope + intercept = density
   double rescale_intercept = 0;
-  std::string rescale_by_slice;  // in words, if slices differ in slope or intercept; then the two above have no meaning
+  std::string rescale_in_words;  // the density, where a slope and an intercept for all do not say it; "": they do
   bool is_level_set = false;     // a VDB level set: density is minus the signed distance [m], isovalue 0
   std::optional<double> declared_isovalue;  // of a phantom: the density of its exact surface
   std::optional<double> kept_isovalue;  // at which it was sculpted, as its file says; NaN and any double are possible
@@ -79,11 +79,13 @@ class Volume {
 
   // Replaces one brick by 512 densities (i fastest, voxels outside the domain as readBrick gives them), or by one value
   // everywhere. Values must be finite. minimum() and maximum() are widened to include them, but never narrowed. Cost: a
-  // tree walk and 2 KiB. Thread: while nobody reads the volume.
+  // tree walk and 2 KiB.
+  // Thread: while nobody reads the volume.
   void setBrick(const Vec3i& brick, const float* values);
   void setConstantBrick(const Vec3i& brick, float value);
 
-  // Notes the isovalue at which the volume was sculpted, for files that can keep it (.vdb). Thread: as setBrick().
+  // Notes the isovalue at which the volume was sculpted, for files that can keep it (.vdb).
+  // Thread: as setBrick().
   void keepIsovalue(double isovalue) noexcept;
   // Sets facts().source, the name under which loadVolume finds the volume again.
   void rename(std::string source) noexcept;

@@ -2,14 +2,12 @@
 #include "engine/files/dicom_folder.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <iterator>
-#include <system_error>
+#include <tuple>
+#include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "base/error.hpp"
 #include "engine/files/magic.hpp"
@@ -27,39 +25,50 @@ void checkIsDicom(const fs::path& path, const std::string& source) {
          "copy the series again or take the file away");
 }
 
-// A file that cannot be opened is not a damaged one.
-void checkOpens(const fs::path& path, const std::string& source) {
-  const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) {
-    throw cannotRead(source, fmt::format("slice {}", path.filename().string()), {errno, std::generic_category()});
-  }
-  close(descriptor);
-}
-
-std::vector<fs::path> slicesOf(const std::string& folder, const std::string& source) {
-  std::vector<fs::path> files;
+DicomSeries slicesOf(const std::string& folder, const std::string& source) {
+  DicomSeries slices;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
-    checkOpens(entry.path(), source);
+    checkOpens(entry.path().string(), source, "slice " + entry.path().filename().string());
     if (formatByContent(entry.path().string(), source) == "DICOM") {
-      if (isDicomSlice(entry.path(), source)) files.push_back(entry.path());
+      for (DicomSlice& slice : slicesOfFile(entry.path(), source)) slices.push_back(std::move(slice));
     } else {
       checkIsDicom(entry.path(), source);
     }
   }
-  if (files.empty()) refuse(source, "the folder holds no DICOM slices", "give the folder in which the slices are");
-  std::sort(files.begin(), files.end());
-  return files;
+  if (slices.empty()) refuse(source, "the folder holds no DICOM slices", "give the folder in which the slices are");
+  std::sort(slices.begin(), slices.end(), [](const DicomSlice& a, const DicomSlice& b) {
+    return std::tie(a.path, a.frame) < std::tie(b.path, b.frame);
+  });
+  return slices;
+}
+
+// What tells the volumes of one series apart: of a stack that is imaged again and again, and of several stacks.
+using Part = std::pair<std::string, std::uint32_t>;
+Part partOf(const DicomSlice& slice) {
+  return {slice.text(DicomTag::kStackId), slice.phase()};
+}
+
+// Adds the slices of one series: as one volume, or as one for each stack and phase.
+void addSeries(DicomFolder& all, const std::string& uid, DicomSeries slices) {
+  std::map<Part, DicomSeries> parts;
+  for (DicomSlice& slice : slices) parts[partOf(slice)].push_back(std::move(slice));
+  for (auto& [part, of_part] : parts) {
+    if (parts.size() == 1) {
+      all[uid] = std::move(of_part);
+    } else {
+      all[fmt::format("{}/{:04}", uid, std::distance(parts.begin(), parts.find(part)) + 1)] = std::move(of_part);
+    }
+  }
 }
 
 // The numbered list of series for messages.
 std::string listOf(const DicomFolder& all) {
   std::string list;
-  for (const auto& [uid, series] : all) {
-    const std::string description = series[0].tag("0008|103e");
-    list += fmt::format(
-        "{}{}: {}{} ({} slice{})", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(uid)) + 1,
-        description.empty() ? "" : "\"" + description + "\" ", uid, series.size(), series.size() == 1 ? "" : "s");
+  for (const auto& [key, series] : all) {
+    list +=
+        fmt::format("{}{}: {} ({} slice{})", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(key)) + 1,
+                    wordsOfSeries(all, key, true), series.size(), series.size() == 1 ? "" : "s");
   }
   return list;
 }
@@ -67,18 +76,28 @@ std::string listOf(const DicomFolder& all) {
 }  // namespace
 
 DicomFolder readDicomFolder(const std::string& folder, const std::string& source) {
-  const std::vector<fs::path> files = slicesOf(folder, source);
-  std::vector<ItkFacts> facts =
-      readItkSeries(ItkReader::kDicomSlice, {files.begin(), files.end()}, source, refuseSlice(files, source));
-  DicomFolder all;
-  for (std::size_t n = 0; n < files.size(); ++n) {
-    DicomSlice slice;
-    slice.path = files[n];
-    slice.file = std::move(facts[n]);
-    const std::string uid = slice.tag("0020|000e");
-    all[uid].push_back(std::move(slice));
+  std::map<std::string, DicomSeries> by_uid;
+  for (DicomSlice& slice : slicesOf(folder, source)) {
+    const std::string uid = slice.text(DicomTag::kSeriesInstanceUid);
+    by_uid[uid].push_back(std::move(slice));
   }
+  DicomFolder all;
+  for (auto& [uid, slices] : by_uid) addSeries(all, uid, std::move(slices));
   return all;
+}
+
+std::string wordsOfSeries(const DicomFolder& all, const std::string& key, bool description_first) {
+  const DicomSlice& first = all.at(key)[0];
+  std::string words = key;
+  if (words != first.text(DicomTag::kSeriesInstanceUid)) {
+    const auto& [stack, phase] = partOf(first);
+    if (!stack.empty()) words += fmt::format(" stack {}", stack);
+    if (phase != 0) words += fmt::format(" phase {}", phase);
+  }
+  const std::string description = first.text(DicomTag::kSeriesDescription);
+  if (description.empty()) return words;
+  return description_first ? fmt::format("\"{}\" {}", description, words)
+                           : fmt::format("{} \"{}\"", words, description);
 }
 
 std::string chooseSeries(const DicomFolder& all, const std::string& wanted, const std::string& source) {

@@ -12,9 +12,15 @@
 
 namespace palpate {
 
-// Checks every slice (checkDicomSlice) and sorts the slices along their normal. Returns the lattice of their volume;
-// its third axis is the normal. Throws Error(kBadInput) if slices differ in size, spacing or orientation, are fewer
-// than two, lie at the same place, are missing or unevenly spaced, or are shifted sideways, as under a tilted gantry.
-[[nodiscard]] Lattice placeSlices(DicomSeries& series, const std::string& source);
+struct DicomBlock {
+  Lattice lattice;  // its third axis is the slices' normal; of a tilted block that of the first slice, its lowest
+  double tilt = 0;  // between the direction in which the slices follow each other and their normal [rad]; 0: upright
+};
+
+// Places every slice (placeSlice), sorts them along their normal, and sets DicomSlice::aside_px. Slices that are
+// shifted sideways by the same step each, as under a tilted gantry, make a tilted block if `tilted_too`. Throws
+// Error(kBadInput) if slices differ in size, spacing or orientation, are fewer than two, lie at the same place, are
+// missing or unevenly spaced, or are shifted sideways in another way.
+[[nodiscard]] DicomBlock placeSlices(DicomSeries& series, const std::string& source, bool tilted_too);
 
 }  // namespace palpate

@@ -1,100 +1,110 @@
 // SPDX-License-Identifier: Apache-2.0
 // A folder of DICOM slices: "folder". If it holds several series, one must be named: "folder#2" by its number in the
-// order of UIDs, "folder#1.2.3" by its UID.
-//
-// GDCM under ITK, in a child process (itk_child.hpp), reads each slice and applies its slope and intercept.
+// order of UIDs, "folder#1.2.3" by its UID. A series is many files of one slice, or files of many frames.
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "base/shared_buffer.hpp"
+#include "base/error.hpp"
+#include "base/units.hpp"
 #include "engine/field/memory_budget.hpp"
-#include "engine/field/raw_values.hpp"
 #include "engine/files/dicom_folder.hpp"
 #include "engine/files/dicom_geometry.hpp"
+#include "engine/files/dicom_pixels.hpp"
+#include "engine/files/dicom_upright.hpp"
+#include "engine/files/dicom_values.hpp"
 #include "engine/files/readers.hpp"
 #include "engine/files/volume_name.hpp"
 
 namespace palpate {
 namespace {
 
-namespace fs = std::filesystem;
+using Rules = std::vector<DicomValueRule>;
 
-std::vector<float> readPixels(const DicomSeries& series, const std::string& source) {
-  const auto& n = series[0].file.header.dimensions;
-  const auto pixels = static_cast<std::size_t>(n[0] * n[1]);
-  std::vector<fs::path> files;
-  std::vector<std::string> paths;
-  std::size_t bytes = 0;
-  for (const DicomSlice& slice : series) {
-    files.push_back(slice.path);
-    paths.push_back(slice.path.string());
-    bytes += pixels * byteSize(*slice.file.header.type);
-  }
-  const SharedBuffer raw(bytes);
-  std::vector<std::span<char>> parts;
-  std::size_t at = 0;
-  for (const DicomSlice& slice : series) {
-    parts.push_back(raw.bytes().subspan(at, pixels * byteSize(*slice.file.header.type)));
-    at += parts.back().size();
-  }
-  readItkSeriesValues(ItkReader::kDicomSlice, paths, parts, source, refuseSlice(files, source));
-  std::vector<float> values;
-  values.reserve(pixels * series.size());
-  for (std::size_t slice = 0; slice < series.size(); ++slice) {
-    const std::vector<float> converted = toFloats(parts[slice], *series[slice].file.header.type);
-    values.insert(values.end(), converted.begin(), converted.end());
-  }
-  return values;
+// The lowest and the highest of a number that each slice has, in words: "0.5 to 4".
+std::string rangeOf(const Rules& rules, double DicomValueRule::*number) {
+  const auto [low, high] = std::minmax_element(rules.begin(), rules.end(),
+                                               [&](const auto& a, const auto& b) { return a.*number < b.*number; });
+  if ((*low).*number == (*high).*number) return fmt::format("{:g}", (*low).*number);
+  return fmt::format("{:g} to {:g}", (*low).*number, (*high).*number);
 }
 
-// The lowest and the highest value of a number that slices may give.
-std::pair<double, double> rangeOf(const DicomSeries& series, const char* key, double otherwise) {
-  std::vector<double> all;
-  for (const DicomSlice& slice : series) {
-    const std::vector<double> numbers = dicomNumbers(slice.tag(key));
-    all.push_back(numbers.empty() ? otherwise : numbers[0]);
-  }
-  const auto [low, high] = std::minmax_element(all.begin(), all.end());
-  return {*low, *high};
-}
-
-std::string inWords(const std::pair<double, double>& range) {
-  if (range.first == range.second) return fmt::format("{:g}", range.first);
-  return fmt::format("{:g} to {:g}", range.first, range.second);
-}
-
-void tellRescale(const DicomSeries& series, VolumeFacts& facts) {
-  const auto slope = rangeOf(series, "0028|1053", 1);
-  const auto intercept = rangeOf(series, "0028|1052", 0);
-  if (slope.first == slope.second && intercept.first == intercept.second) {
-    facts.rescale_slope = slope.first;
-    facts.rescale_intercept = intercept.first;
+void tellRescale(const Rules& rules, VolumeFacts& facts) {
+  const bool alike = std::all_of(rules.begin(), rules.end(), [&](const DicomValueRule& rule) {
+    return rule.slope == rules[0].slope && rule.intercept == rules[0].intercept;
+  });
+  if (!rules[0].table.empty()) {
+    facts.rescale_in_words = "what the table ModalityLUTSequence gives for the stored value";
+  } else if (alike) {
+    facts.rescale_slope = rules[0].slope;
+    facts.rescale_intercept = rules[0].intercept;
   } else {
-    facts.rescale_by_slice = fmt::format("slope {}, intercept {}", inWords(slope), inWords(intercept));
+    facts.rescale_in_words =
+        fmt::format("slope * stored + intercept, by slice: slope {}, intercept {}",
+                    rangeOf(rules, &DicomValueRule::slope), rangeOf(rules, &DicomValueRule::intercept));
   }
 }
 
-VolumeFacts factsOf(const DicomFolder& all, const std::string& uid, const std::string& source) {
-  const DicomSlice& first = all.at(uid)[0];
+VolumeFacts factsOf(const DicomFolder& all, const std::string& key, const Rules& rules, const std::string& source) {
   VolumeFacts facts;
   facts.source = source;
   facts.format = "DICOM series";
-  const std::vector<double> stored_bits = dicomNumbers(first.tag("0028|0100"));
-  const std::vector<double> is_signed = dicomNumbers(first.tag("0028|0103"));
-  facts.value_type = fmt::format("{}int{:.0f}", is_signed == std::vector<double>{1} ? "" : "u",
-                                 stored_bits.empty() ? 16 : stored_bits[0]);
+  facts.value_type = fmt::format("{}int{}", rules[0].is_signed ? "" : "u", rules[0].bits_allocated);
   facts.orientation = "LPS, from the slices' positions";
-  tellRescale(all.at(uid), facts);
-  const std::string description = first.tag("0008|103e");
-  const std::string words = description.empty() ? uid : fmt::format("{} \"{}\"", uid, description);
+  tellRescale(rules, facts);
+  const std::string words = wordsOfSeries(all, key, false);
   facts.part = all.size() == 1 ? "series " + words
-                               : fmt::format("series {} of {}: {}", std::distance(all.begin(), all.find(uid)) + 1,
+                               : fmt::format("series {} of {}: {}", std::distance(all.begin(), all.find(key)) + 1,
                                              all.size(), words);
   return facts;
+}
+
+// The words of packed files that are held while they are read, for each voxel [byte].
+double packedBytesPerVoxel(const DicomSeries& series, const Rules& rules) {
+  double bytes = 0;
+  for (std::size_t n = 0; n < series.size(); ++n) {
+    const bool first = n == 0 || series[n].path != series[n - 1].path;
+    if (series[n].file->packed && first)
+      bytes += static_cast<double>(series[n].frames) * static_cast<double>(rules[n].wordBytes());
+  }
+  return bytes / static_cast<double>(series.size());
+}
+
+void addRemark(VolumeFacts& facts, const std::string& words) {
+  facts.remark += (facts.remark.empty() ? "" : "; ") + words;
+}
+
+std::ptrdiff_t countWithout(const std::vector<float>& values) {
+  return std::count_if(values.begin(), values.end(), isNoValue);
+}
+
+// The density of voxels without a value: what the user named, else the lowest of the others.
+float valueInstead(const std::vector<float>& values, const VolumeFacts& facts) {
+  if (facts.instead_of_nan) return *facts.instead_of_nan;
+  float lowest = std::numeric_limits<float>::max();
+  for (const float value : values)
+    if (value < lowest) lowest = value;
+  return lowest;
+}
+
+// Replaces voxels without a value, and tells how many pixels were padding and how many voxels lie outside the slices.
+void fillIn(std::vector<float>& values, std::ptrdiff_t padding, std::size_t pixels, const std::string& tilt,
+            VolumeFacts& facts) {
+  const std::ptrdiff_t without = countWithout(values);
+  if (without == std::ssize(values))
+    refuse(facts.source, fmt::format("all of its {} pixels are padding (PixelPaddingValue)", pixels),
+           "give another series");
+  if (padding > 0) addRemark(facts, fmt::format("{} of {} pixels are padding in the files", padding, pixels));
+  if (!tilt.empty()) addRemark(facts, tilt);
+  if (without == 0) return;
+  const float instead = valueInstead(values, facts);
+  std::replace_if(values.begin(), values.end(), isNoValue, instead);
+  addRemark(facts, fmt::format("{} of {} voxels have no value and are {} here{}", without, values.size(), instead,
+                               facts.instead_of_nan ? "" : ", the lowest density (--nan gives another)"));
 }
 
 }  // namespace
@@ -103,16 +113,31 @@ Volume readDicom(const ReadRequest& wanted) {
   const std::string& name = wanted.name;
   const VolumeName parsed = parseVolumeName(name);
   DicomFolder all = readDicomFolder(parsed.path, name);
-  const std::string uid = chooseSeries(all, parsed.part, name);
-  DicomSeries& series = all.at(uid);
-  const Lattice lattice = placeSlices(series, name);
-  const auto& n = series[0].file.header.dimensions;
+  const std::string key = chooseSeries(all, parsed.part, name);
+  DicomSeries& series = all.at(key);
+  const DicomBlock block = placeSlices(series, name, wanted.resample);
+  const Rules rules = valueRulesOf(series, name);
   const auto count = static_cast<std::int64_t>(series.size());
-  checkMemory(name, n[0], n[1], count, 0, wanted.memory_budget_bytes);
-  const Vec3i size(static_cast<int>(n[0]), static_cast<int>(n[1]), static_cast<int>(count));
-  VolumeFacts facts = factsOf(all, uid, name);
+  UprightBlock upright{block.lattice, static_cast<std::int64_t>(series[0].columns()),
+                       static_cast<std::int64_t>(series[0].rows())};
+  if (block.tilt > 0) upright = uprightBlockOf(series, block.lattice);
+  checkMemory(name, upright.columns, upright.rows, count,
+              packedBytesPerVoxel(series, rules) + (block.tilt > 0 ? kDenseBytesPerVoxel : 0),
+              wanted.memory_budget_bytes);
+  VolumeFacts facts = factsOf(all, key, rules, name);
   facts.instead_of_nan = wanted.instead_of_nan;
-  return Volume::fromDense(size, lattice, readPixels(series, name), std::move(facts));
+  std::vector<float> values = readDicomPixels(series, rules, name);
+  const std::size_t pixels = values.size();
+  const std::ptrdiff_t padding = countWithout(values);
+  std::string tilt;
+  if (block.tilt > 0) {
+    values = resampledUpright(values, series, upright);
+    tilt = fmt::format("its slices are tilted by {:.3g} degrees and were resampled upright",
+                       block.tilt * kDegreesPerRadian);
+  }
+  fillIn(values, padding, pixels, tilt, facts);
+  const Vec3i size(static_cast<int>(upright.columns), static_cast<int>(upright.rows), static_cast<int>(count));
+  return Volume::fromDense(size, upright.lattice, values, std::move(facts));
 }
 
 }  // namespace palpate

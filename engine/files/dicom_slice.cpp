@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -14,7 +15,6 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "engine/files/components.hpp"
 #include "engine/files/dicom_structure.hpp"
 #include "engine/files/text_header.hpp"
 
@@ -22,14 +22,6 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytesOf(const fs::path& path, const std::string& source) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw cannotRead(source, fmt::format("slice {}", path.filename().string()), {errno, std::generic_category()});
-  }
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 constexpr double kFarthest_mm = 1e9;  // no patient lies farther from any origin
 constexpr double kUnitLength = 0.01;  // of a direction, from 1; less is a file's rounding
@@ -45,57 +37,64 @@ double decimalOf(std::string_view word) {
 }
 
 // Exactly `count` finite numbers of magnitude `most` at most; otherwise throws.
-std::vector<double> numbersOf(const DicomSlice& slice, const char* key, const char* name, std::size_t count,
-                              double most, const std::string& source) {
-  std::vector<double> numbers = dicomNumbers(slice.tag(key));
+std::vector<double> numbersOf(const DicomSlice& slice, DicomTag tag, const char* name, std::size_t count, double most,
+                              const std::string& source) {
+  std::vector<double> numbers = dicomNumbers(slice.text(tag));
   const bool good = std::all_of(numbers.begin(), numbers.end(), [&](double n) { return std::abs(n) <= most; });
   if (good && numbers.size() == count) return numbers;
   refuse(source,
-         fmt::format("the {} \"{}\" of slice {} is not {}", name, slice.tag(key), slice.name(),
+         fmt::format("the {} \"{}\" of {} is not {}", name, slice.text(tag), slice.name(),
                      count == 1 ? "a finite number" : fmt::format("{} finite numbers", count)),
          "copy the series again");
 }
 
-// Refuses a slope or intercept that is not a usable number: GDCM would ignore it, or all densities would be the same.
-void checkScale(const DicomSlice& slice, const std::string& source) {
-  for (const auto& [key, name] : {std::pair("0028|1053", "RescaleSlope"), std::pair("0028|1052", "RescaleIntercept")}) {
-    const std::string text = slice.tag(key);
-    if (text.empty()) continue;
-    const std::vector<double> numbers = dicomNumbers(text);
-    const bool good = numbers.size() == 1 && std::isfinite(numbers[0]);
-    if (good && (numbers[0] != 0 || key == std::string_view("0028|1052"))) continue;
-    refuse(source, fmt::format("the {} \"{}\" of slice {} is no number to scale by", name, text, slice.name()),
-           "copy the series again");
+// The sequence in which a file of functional groups keeps an element.
+std::optional<DicomTag> groupOf(DicomTag tag) {
+  switch (tag) {
+    case DicomTag::kImagePositionPatient:
+      return DicomTag::kPlanePositionSequence;
+    case DicomTag::kImageOrientationPatient:
+      return DicomTag::kPlaneOrientationSequence;
+    case DicomTag::kPixelSpacing:
+    case DicomTag::kSpacingBetweenSlices:
+      return DicomTag::kPixelMeasuresSequence;
+    case DicomTag::kRescaleSlope:
+    case DicomTag::kRescaleIntercept:
+      return DicomTag::kPixelValueTransformationSequence;
+    case DicomTag::kStackId:
+    case DicomTag::kTemporalPositionIndex:
+      return DicomTag::kFrameContentSequence;
+    default:
+      return {};
   }
 }
 
-void placeSlice(DicomSlice& slice, const std::string& source) {
-  const std::vector<double> spacing = dicomNumbers(slice.tag("0028|0030"));
-  if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0)) {
-    refuse(source,
-           fmt::format("the PixelSpacing \"{}\" of slice {} is not positive", slice.tag("0028|0030"), slice.name()),
-           "write the true pixel size into the files");
+// Where a slice has an element: the frame's own group, the shared one, or the file.
+const DicomItem& ownerOf(const DicomSlice& slice, DicomTag tag) {
+  const DicomItem& root = slice.file->root;
+  const std::optional<DicomTag> group = groupOf(tag);
+  if (!group) return root;
+  const auto& frames = root.element(DicomTag::kPerFrameFunctionalGroupsSequence).items;
+  const DicomItem* const own = slice.frame < frames.size() ? &frames[slice.frame] : nullptr;
+  for (const DicomItem* of : {own, root.item(DicomTag::kSharedFunctionalGroupsSequence)}) {
+    const DicomItem* found = of == nullptr ? nullptr : of->item(*group);
+    if (found != nullptr && found->has(tag)) return *found;
   }
-  slice.spacing_mm = {spacing[1], spacing[0]};  // the file has the distance between rows first
-  if (slice.tag("0020|0032").empty() || slice.tag("0020|0037").empty()) {
-    refuse(source, fmt::format("slice {} has no position or orientation", slice.name()), "give a CT or MR series");
-  }
-  const std::vector<double> position = numbersOf(slice, "0020|0032", "ImagePositionPatient", 3, kFarthest_mm, source);
-  slice.position_mm = Vec3(position[0], position[1], position[2]);
-  const std::vector<double> directions = numbersOf(slice, "0020|0037", "ImageOrientationPatient", 6, 2, source);
-  for (std::size_t n = 0; n < 2; ++n) {
-    const Vec3 axis(directions[3 * n], directions[3 * n + 1], directions[3 * n + 2]);
-    if (std::abs(axis.norm() - 1) > kUnitLength) {
-      refuse(source,
-             fmt::format("the ImageOrientationPatient \"{}\" of slice {} is not two unit vectors",
-                         slice.tag("0020|0037"), slice.name()),
-             "copy the series again");
-    }
-    slice.axes[n] = axis.normalized();
-  }
-  // The spacing of slices follows from their positions. But a file whose own figure for it is invalid is damaged.
-  if (slice.tag("0018|0088").empty()) return;
-  static_cast<void>(numbersOf(slice, "0018|0088", "SpacingBetweenSlices", 1, kFarthest_mm, source));
+  return root;
+}
+
+std::size_t describedFrames(const DicomDataSet& set) {
+  return set.root.element(DicomTag::kPerFrameFunctionalGroupsSequence).items.size();
+}
+
+void checkFrames(const DicomSlice& slice, const std::string& source) {
+  const std::size_t described = describedFrames(*slice.file);
+  if (slice.frames == 1 || described == slice.frames) return;
+  const std::string holds = fmt::format("{} holds {} frames", slice.path.filename().string(), slice.frames);
+  refuse(source,
+         described == 0 ? holds + " and does not say where each lies"
+                        : fmt::format("{} and describes {}", holds, described),
+         "convert it to NIfTI or NRRD");
 }
 
 }  // namespace
@@ -110,34 +109,92 @@ std::vector<double> dicomNumbers(const std::string& text) {
   return numbers;
 }
 
-bool isDicomSlice(const fs::path& path, const std::string& source) {
-  const std::string bytes = bytesOf(path, source);
-  if (dicomIsNoImage(bytes)) return false;
-  if (dicomIsWhole(bytes)) return true;
-  refuse(source, fmt::format("slice {} is cut short or damaged", path.filename().string()), "copy the series again");
+std::size_t DicomSlice::columns() const {
+  const std::vector<std::uint32_t>& numbers = file->root.element(DicomTag::kColumns).numbers;
+  return numbers.empty() ? 0 : numbers[0];
 }
 
-void checkDicomSlice(DicomSlice& slice, const std::string& source) {
-  const ItkHeader& header = slice.file.header;
-  if (header.components != 1) {
-    refuseComponents(source, Components::kColours, header.components,
-                     fmt::format("the pixels of slice {}", slice.name()));
-  }
-  if (!header.type) {
-    refuse(source, fmt::format("the pixels of slice {} are no numbers", slice.name()), "give a CT or MR series");
-  }
-  if (header.dimensions.size() > 2 && header.dimensions[2] > 1) {
-    refuse(source, fmt::format("{} holds several frames", slice.name()), "convert it to NIfTI or NRRD");
-  }
-  checkScale(slice, source);
-  placeSlice(slice, source);
+std::size_t DicomSlice::rows() const {
+  const std::vector<std::uint32_t>& numbers = file->root.element(DicomTag::kRows).numbers;
+  return numbers.empty() ? 0 : numbers[0];
 }
 
-RefuseFile refuseSlice(const std::vector<fs::path>& files, const std::string& source) {
-  return [&files, &source](std::size_t n, const std::string& words) {
-    refuse(source, fmt::format("slice {} is damaged ({})", files[n].filename().string(), words),
-           "copy the series again");
-  };
+std::string DicomSlice::shortName() const {
+  const std::string file_name = path.filename().string();
+  return frames == 1 ? file_name : fmt::format("frame {} of {}", frame + 1, file_name);
+}
+
+std::string DicomSlice::name() const {
+  return frames == 1 ? "slice " + shortName() : shortName();
+}
+
+std::string DicomSlice::text(DicomTag tag) const {
+  return ownerOf(*this, tag).text(tag);
+}
+
+std::uint32_t DicomSlice::phase() const {
+  constexpr DicomTag kPhase = DicomTag::kTemporalPositionIndex;
+  const std::vector<std::uint32_t>& numbers = ownerOf(*this, kPhase).element(kPhase).numbers;
+  return numbers.empty() ? 0 : numbers[0];
+}
+
+std::string bytesOfSlice(const fs::path& path, const std::string& source) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    throw cannotRead(source, "slice " + path.filename().string(), {errno, std::generic_category()});
+  }
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+DicomSeries slicesOfFile(const fs::path& path, const std::string& source) {
+  const std::string bytes = bytesOfSlice(path, source);
+  if (dicomIsNoImage(bytes)) return {};
+  std::optional<DicomDataSet> set = readDicomDataSet(bytes);
+  DicomSlice slice;
+  slice.path = path;
+  if (!set) refuse(source, fmt::format("{} is cut short or damaged", slice.name()), "copy the series again");
+  if (!set->has_pixels && !set->floating)
+    refuse(source, fmt::format("{} has no pixels", slice.name()), "copy the series again or take the file away");
+  slice.file = std::make_shared<const DicomDataSet>(*std::move(set));
+  slice.frames = slice.file->frames;
+  // Of frames that are not described nobody knows where they lie: placeSlice refuses them.
+  if (describedFrames(*slice.file) != slice.frames) return {slice};
+  DicomSeries slices(slice.frames, slice);
+  for (std::size_t n = 0; n < slices.size(); ++n) slices[n].frame = n;
+  return slices;
+}
+
+void placeSlice(DicomSlice& slice, const std::string& source) {
+  checkFrames(slice, source);
+  const std::vector<double> spacing = dicomNumbers(slice.text(DicomTag::kPixelSpacing));
+  if (spacing.size() != 2 || !(spacing[0] > 0) || !(spacing[1] > 0)) {
+    refuse(
+        source,
+        fmt::format("the PixelSpacing \"{}\" of {} is not positive", slice.text(DicomTag::kPixelSpacing), slice.name()),
+        "write the true pixel size into the files");
+  }
+  slice.spacing_mm = {spacing[1], spacing[0]};  // the file has the distance between rows first
+  if (slice.text(DicomTag::kImagePositionPatient).empty() || slice.text(DicomTag::kImageOrientationPatient).empty()) {
+    refuse(source, fmt::format("{} has no position or orientation", slice.name()), "give a CT or MR series");
+  }
+  const std::vector<double> position =
+      numbersOf(slice, DicomTag::kImagePositionPatient, "ImagePositionPatient", 3, kFarthest_mm, source);
+  slice.position_mm = Vec3(position[0], position[1], position[2]);
+  const std::vector<double> directions =
+      numbersOf(slice, DicomTag::kImageOrientationPatient, "ImageOrientationPatient", 6, 2, source);
+  for (std::size_t n = 0; n < 2; ++n) {
+    const Vec3 axis(directions[3 * n], directions[3 * n + 1], directions[3 * n + 2]);
+    if (std::abs(axis.norm() - 1) > kUnitLength) {
+      refuse(source,
+             fmt::format("the ImageOrientationPatient \"{}\" of {} is not two unit vectors",
+                         slice.text(DicomTag::kImageOrientationPatient), slice.name()),
+             "copy the series again");
+    }
+    slice.axes[n] = axis.normalized();
+  }
+  // The spacing of slices follows from their positions. But a file whose own figure for it is invalid is damaged.
+  if (slice.text(DicomTag::kSpacingBetweenSlices).empty()) return;
+  static_cast<void>(numbersOf(slice, DicomTag::kSpacingBetweenSlices, "SpacingBetweenSlices", 1, kFarthest_mm, source));
 }
 
 }  // namespace palpate

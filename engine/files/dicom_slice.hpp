@@ -1,50 +1,57 @@
 // SPDX-License-Identifier: Apache-2.0
-// engine/files/dicom_slice.hpp: one file of a DICOM series. Private to engine/files.
+// engine/files/dicom_slice.hpp: one slice of a DICOM series: a file, or a frame of a file that holds several. Private
+// to engine/files.
 //
-// Frame: LPS, millimetres, as in the file. Set-up thread. Position, axes and spacing are parsed here and not taken from
-// GDCM, which assumes 1 mm and the patient's axes where it cannot parse them.
+// Frame: LPS, millimetres, as in the file. Set-up thread.
+// Source: DICOM PS3.3, C.7.6.2 (image plane), C.7.6.16 (the functional groups in which a file of several frames says
+// what its frames share and what each has for itself).
 #pragma once
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "base/vec.hpp"
-#include "engine/files/itk_child.hpp"
+#include "engine/files/dicom_data_set.hpp"
 
 namespace palpate {
 
 struct DicomSlice {
   std::filesystem::path path;
-  ItkFacts file;  // its header
-  // Known after checkDicomSlice:
+  std::shared_ptr<const DicomDataSet> file;  // shared by its frames
+  std::size_t frame = 0, frames = 1;         // which of how many
+  // Known after placeSlice:
   Vec3 position_mm = Vec3::Zero();                            // of its first pixel
   std::array<Vec3, 2> axes = {Vec3::UnitX(), Vec3::UnitY()};  // unit directions in which columns and rows are counted
   std::array<double, 2> spacing_mm = {1, 1};                  // between columns, between rows
-  double along_mm = 0;  // its position along the slices' normal; set by placeSlices
+  // Set by placeSlices:
+  double along_mm = 0;                      // its position along the slices' normal
+  std::array<double, 2> aside_px = {0, 0};  // how far it lies aside from the first slice, along columns and rows
 
-  [[nodiscard]] std::string name() const { return path.filename().string(); }
-  // The value of a tag such as "0020|000e"; "" if it is missing.
-  [[nodiscard]] std::string tag(const std::string& key) const {
-    const auto found = file.tags.find(key);
-    return found == file.tags.end() ? std::string() : found->second;
-  }
+  [[nodiscard]] std::size_t columns() const;
+  [[nodiscard]] std::size_t rows() const;
+  [[nodiscard]] std::string name() const;       // for messages: "slice s1.dcm", "frame 3 of scan.dcm"
+  [[nodiscard]] std::string shortName() const;  // "s1.dcm", "frame 3 of scan.dcm"
+  // The text of an element: what the frame has for itself, else what its frames share, else what the file has.
+  [[nodiscard]] std::string text(DicomTag tag) const;
+  // TemporalPositionIndex of the frame; 0 if it has none.
+  [[nodiscard]] std::uint32_t phase() const;
 };
 using DicomSeries = std::vector<DicomSlice>;
 
-// False for a DICOM file that holds no image (dicom_structure.hpp). Throws Error(kBadInput) for a slice that is not
-// complete. GDCM may only be given files for which this is true.
-[[nodiscard]] bool isDicomSlice(const std::filesystem::path& path, const std::string& source);
+// The slices of a file, in the order of its frames; none for a DICOM file that holds no image (dicom_structure.hpp).
+// Throws Error(kBadInput) for a file that is not complete or has no pixels. A file of several frames that does not
+// describe each is one slice, which placeSlice refuses. Cost: reads the file.
+[[nodiscard]] DicomSeries slicesOfFile(const std::filesystem::path& path, const std::string& source);
 
-// Sets position, axes and spacing. Throws Error(kBadInput) for a slice that is in colour or has several frames, and for
-// a position, orientation, pixel spacing, slope or intercept that is not made of finite decimal numbers. Slope and
-// intercept may be missing.
-void checkDicomSlice(DicomSlice& slice, const std::string& source);
+// Sets position, axes and spacing. Throws Error(kBadInput) for those that are not made of finite decimal numbers, and
+// for a file of several frames that does not say where each lies.
+void placeSlice(DicomSlice& slice, const std::string& source);
 
-// A callback for itk_child.hpp that throws an Error with the name of the file that ITK cannot read. Both arguments must
-// outlive the result.
-[[nodiscard]] RefuseFile refuseSlice(const std::vector<std::filesystem::path>& files, const std::string& source);
+// All bytes of a slice's file. Throws Error(kIo).
+[[nodiscard]] std::string bytesOfSlice(const std::filesystem::path& path, const std::string& source);
 
 // The numbers in a value such as "1\2\3". A part that is not a finite decimal number, such as "inf", "0x10" or "2 mm",
 // becomes NaN.

@@ -25,18 +25,64 @@ constexpr std::uint32_t kItemEnd = 0xfffee00dU;
 constexpr std::uint32_t kSequenceEnd = 0xfffee0ddU;
 constexpr std::uint32_t kObjectClass = 0x00020002U;
 constexpr std::uint32_t kTransferSyntax = 0x00020010U;
-constexpr std::uint32_t kSamples = 0x00280002U;
-constexpr std::uint32_t kFrames = 0x00280008U;
-constexpr std::uint32_t kRows = 0x00280010U;
-constexpr std::uint32_t kColumns = 0x00280011U;
-constexpr std::uint32_t kBitsAllocated = 0x00280100U;
-constexpr std::uint32_t kPixels = 0x7fe00010U;
+constexpr double kMostFrames = 1e9;
 constexpr int kDeepest = 32;  // nested sequences
 constexpr std::string_view kImplicit = "1.2.840.10008.1.2";
+constexpr std::string_view kExplicit = "1.2.840.10008.1.2.1";
 constexpr std::string_view kDeflated = "1.2.840.10008.1.2.1.99";
 constexpr std::string_view kRle = "1.2.840.10008.1.2.5";
 constexpr std::string_view kBigEndian = "1.2.840.10008.1.2.2";
 constexpr std::size_t kMostInflated = std::size_t{512} << 20;  // one slice of the largest detector has 60 MiB [byte]
+
+// What the value of an element that Palpate reads is.
+enum class Kind { kText, kWords, kLongs, kTable, kItems };
+
+std::optional<Kind> kindOf(DicomTag tag) {
+  using enum DicomTag;
+  switch (tag) {
+    case kSamplesPerPixel:
+    case kRows:
+    case kColumns:
+    case kBitsAllocated:
+    case kBitsStored:
+    case kHighBit:
+    case kPixelRepresentation:
+    case kPixelPaddingValue:
+    case kPixelPaddingRangeLimit:
+    case kLutDescriptor:
+      return Kind::kWords;
+    case kTemporalPositionIndex:
+      return Kind::kLongs;
+    case kLutData:
+      return Kind::kTable;
+    case kFrameContentSequence:
+    case kPlanePositionSequence:
+    case kPlaneOrientationSequence:
+    case kModalityLutSequence:
+    case kPixelMeasuresSequence:
+    case kPixelValueTransformationSequence:
+    case kSharedFunctionalGroupsSequence:
+    case kPerFrameFunctionalGroupsSequence:
+      return Kind::kItems;
+    case kSeriesDescription:
+    case kSpacingBetweenSlices:
+    case kSeriesInstanceUid:
+    case kImagePositionPatient:
+    case kImageOrientationPatient:
+    case kStackId:
+    case kPhotometricInterpretation:
+    case kNumberOfFrames:
+    case kPixelSpacing:
+    case kRescaleIntercept:
+    case kRescaleSlope:
+      return Kind::kText;
+    case kFloatPixelData:
+    case kDoubleFloatPixelData:
+    case kPixelData:
+      break;
+  }
+  return {};
+}
 
 struct Element {
   std::uint32_t tag = 0;
@@ -115,24 +161,33 @@ class Walk {
     return head;
   }
 
-  bool wholeFile() {
+  // What follows the head.
+  [[nodiscard]] std::string_view rest() const { return file_.substr(at_); }
+
+  std::optional<DicomDataSet> wholeFile() {
     const std::optional<Head> known = head();
-    if (!known) return false;
-    const std::string_view syntax = known->syntax;
-    explicit_ = syntax != kImplicit;
-    rle_ = syntax == kRle;
-    swapped_ = (syntax == kBigEndian) == kLittleEndian;
-    if (syntax != kDeflated) return elements(0);
-    const std::optional<std::string> set = inflated(file_.substr(at_), kMostInflated);
-    if (!set) return false;
-    file_ = *set;
-    at_ = 0;
-    return elements(0);
+    if (!known) return {};
+    set_.syntax = known->syntax;
+    explicit_ = set_.syntax != kImplicit;
+    rle_ = set_.syntax == kRle;
+    swapped_ = (set_.syntax == kBigEndian) == kLittleEndian;
+    set_.swapped = swapped_;
+    set_.deflated = set_.syntax == kDeflated;
+    std::optional<std::string> unpacked;
+    if (set_.deflated) {
+      unpacked = inflated(rest(), kMostInflated);
+      if (!unpacked) return {};
+      file_ = *unpacked;
+      at_ = 0;
+    }
+    if (!elements(0, &set_.root)) return {};
+    set_.frames = static_cast<std::size_t>(std::min(frames(), kMostFrames));
+    return std::move(set_);
   }
 
  private:
-  // Elements up to the file's end; those of an item up to its delimiter.
-  bool elements(int depth) {
+  // Elements up to the file's end; those of an item up to its delimiter. `to`: takes what Palpate reads; null: nothing.
+  bool elements(int depth, DicomItem* to) {
     std::uint32_t last_tag = 0;
     while (at_ < file_.size()) {
       Element element;
@@ -140,43 +195,90 @@ class Walk {
       if (element.tag == kItemEnd) return depth > 0;
       if (element.tag <= last_tag) return false;  // tags ascend
       last_tag = element.tag;
-      if (!value(element, depth)) return false;
+      if (!value(element, depth, to)) return false;
     }
     return depth == 0;
   }
 
-  bool value(const Element& element, int depth) {
-    if (element.length == kUndefined) {
-      packed_ = rle_ && depth == 0 && element.tag == kPixels;
-      return items(file_.size(), true, depth + 1);
+  bool value(const Element& element, int depth, DicomItem* to) {
+    const auto tag = static_cast<DicomTag>(element.tag);
+    const std::optional<Kind> kind = to == nullptr ? std::nullopt : kindOf(tag);
+    if (depth == 0) notePixels(tag, element);
+    const bool open = element.length == kUndefined;
+    if (!open && element.length > left()) return false;
+    if (open || element.type == "SQ" || kind == Kind::kItems) {
+      packed_ = open && rle_ && depth == 0 && tag == DicomTag::kPixelData;
+      std::vector<DicomItem> found;
+      if (!sequence(element, open, depth, kind == Kind::kItems ? &found : nullptr)) return false;
+      if (!found.empty()) to->elements[tag] = {std::string(element.type), "", {}, std::move(found)};
+      return true;
     }
-    if (element.length > left()) return false;
-    if (depth == 0 && !pixelsFit(element)) return false;
-    if (element.type == "SQ") return items(at_ + element.length, false, depth + 1);
+    if (kind && element.length > 0) keep(element, *kind, *to);
+    if (tag == DicomTag::kPixelData && depth == 0 && !pixelsFit(element)) return false;
     at_ += element.length;
     return true;
   }
 
+  // A sequence whose type nobody knows, UN, is written as in the implicit syntax (PS3.5, 6.2.2).
+  bool sequence(const Element& element, bool open, int depth, std::vector<DicomItem>* to) {
+    const bool as_explicit = explicit_;
+    const bool as_swapped = swapped_;
+    if (element.type == "UN") {
+      explicit_ = false;
+      swapped_ = !kLittleEndian;
+    }
+    const bool good = items(open ? file_.size() : at_ + element.length, open, depth + 1, to);
+    explicit_ = as_explicit;
+    swapped_ = as_swapped;
+    return good;
+  }
+
+  void keep(const Element& element, Kind kind, DicomItem& to) const {
+    DicomElement kept;
+    kept.type = element.type;
+    const std::size_t end = at_ + element.length;
+    if (kind == Kind::kWords) {
+      for (std::size_t at = at_; at + 2 <= end; at += 2) kept.numbers.push_back(number<std::uint16_t>(at));
+    } else if (kind == Kind::kLongs) {
+      for (std::size_t at = at_; at + 4 <= end; at += 4) kept.numbers.push_back(number<std::uint32_t>(at));
+    } else {
+      kept.bytes = file_.substr(at_, element.length);
+    }
+    to.elements[static_cast<DicomTag>(element.tag)] = std::move(kept);
+  }
+
+  void notePixels(DicomTag tag, const Element& element) {
+    if (tag == DicomTag::kFloatPixelData || tag == DicomTag::kDoubleFloatPixelData) set_.floating = true;
+    if (tag != DicomTag::kPixelData) return;
+    set_.has_pixels = true;
+    set_.packed = element.length == kUndefined;
+    set_.pixel_type = element.type;
+    set_.pixel_offset = at_;
+  }
+
+  // Of the image; `otherwise` where the file does not say.
+  [[nodiscard]] double said(DicomTag tag, double otherwise) const {
+    const std::vector<std::uint32_t>& numbers = set_.root.element(tag).numbers;
+    return numbers.empty() ? otherwise : numbers[0];
+  }
+  // There is at least one frame, one sample and one bit, whatever the file says.
+  [[nodiscard]] double frames() const {
+    const double number = std::atof(set_.root.text(DicomTag::kNumberOfFrames).c_str());
+    return number > 1 ? number : 1;
+  }
+  [[nodiscard]] double samples() const { return std::max(1.0, said(DicomTag::kSamplesPerPixel, 1)); }
+  [[nodiscard]] double bits() const { return std::max(1.0, said(DicomTag::kBitsAllocated, 8)); }
+  [[nodiscard]] double pixels() const { return said(DicomTag::kRows, 0) * said(DicomTag::kColumns, 0); }
+
   // Uncompressed pixels must be as many as rows, columns, samples and bits ask for; GDCM takes missing ones for 0.
   // Pixels are the last element, so these numbers are known by then.
-  bool pixelsFit(const Element& element) {
-    const auto keep = [&](double& number) {
-      if (element.length >= 2) number = this->number<std::uint16_t>(at_);
-    };
-    if (element.tag == kSamples) keep(samples_);
-    if (element.tag == kRows) keep(rows_);
-    if (element.tag == kColumns) keep(columns_);
-    if (element.tag == kBitsAllocated) keep(bits_);
-    if (element.tag == kFrames) frames_ = std::atof(std::string(file_.substr(at_, element.length)).c_str());
-    if (element.tag != kPixels) return true;
-    // There is at least one frame, one sample and one bit, whatever the file says.
-    const double values = rows_ * columns_ * std::max(samples_, 1.0) * std::max(frames_, 1.0);
-    return static_cast<double>(element.length) * 8 >= values * std::max(bits_, 1.0);
+  [[nodiscard]] bool pixelsFit(const Element& element) const {
+    return static_cast<double>(element.length) * 8 >= pixels() * samples() * frames() * bits();
   }
 
   // The items of a sequence, or the fragments of packed pixels, which are items without elements. `delimited`: they end
-  // with a delimiter; otherwise they end at `end`.
-  bool items(std::size_t end, bool delimited, int depth) {
+  // with a delimiter; otherwise they end at `end`. `to`: takes the items; null: nobody needs them.
+  bool items(std::size_t end, bool delimited, int depth, std::vector<DicomItem>* to) {
     if (depth > kDeepest) return false;
     while (at_ < end) {
       Element item;
@@ -184,24 +286,36 @@ class Walk {
       if (item.tag == kSequenceEnd) return allFrames() && (delimited || at_ == end);
       if (item.tag != kItem) return false;
       if (item.length == kUndefined) {
-        if (!elements(depth)) return false;
+        if (!elements(depth, to == nullptr ? nullptr : &to->emplace_back())) return false;
       } else {
         if (item.length > left()) return false;
-        if (packed_ && fragments_++ > 0 && !rleFits(file_.substr(at_, item.length), rows_ * columns_, rlePlanes()))
+        if (packed_ && fragments_++ > 0 && !rleFits(file_.substr(at_, item.length), pixels(), rlePlanes()))
           return false;  // the first only says where frames begin
-        at_ += item.length;
+        if (to != nullptr && !closedItem(item.length, depth, to->emplace_back())) return false;
+        if (to == nullptr) at_ += item.length;
       }
     }
     return at_ == end && !delimited;
   }
 
+  // The elements of an item of a given length, as if the file ended there.
+  bool closedItem(std::size_t length, int depth, DicomItem& to) {
+    const std::string_view whole = file_;
+    file_ = file_.substr(0, at_ + length);
+    std::uint32_t last_tag = 0;
+    bool good = true;
+    while (good && at_ < file_.size()) {
+      Element element;
+      good = readHead(element) && element.tag > last_tag && value(element, depth, &to);
+      last_tag = element.tag;
+    }
+    file_ = whole;
+    return good;
+  }
+
   // A frame packed as RLE is one fragment. It follows the fragment that says where frames begin.
-  [[nodiscard]] bool allFrames() const {
-    return !packed_ || static_cast<double>(fragments_) >= 1 + std::max(frames_, 1.0);
-  }
-  [[nodiscard]] double rlePlanes() const {
-    return std::min(15.0, std::max(samples_, 1.0) * std::ceil(std::max(bits_, 1.0) / 8));
-  }
+  [[nodiscard]] bool allFrames() const { return !packed_ || static_cast<double>(fragments_) >= 1 + frames(); }
+  [[nodiscard]] double rlePlanes() const { return std::min(15.0, samples() * std::ceil(bits() / 8)); }
 
   bool readHead(Element& element) {
     if (left() < 8) return false;
@@ -247,7 +361,7 @@ class Walk {
   bool rle_ = false;               // pixels are packed as RLE
   bool packed_ = false;            // what follows are fragments of packed pixels
   std::size_t fragments_ = 0;      // fragments so far
-  double rows_ = 0, columns_ = 0, samples_ = 1, frames_ = 1, bits_ = 8;
+  DicomDataSet set_;               // what was found so far
 };
 
 }  // namespace
@@ -271,8 +385,20 @@ bool dicomIsNoImage(std::string_view file) {
   return false;
 }
 
-bool dicomIsWhole(std::string_view file) {
-  return file.size() > kPreamble && Walk(file).wholeFile();
+bool dicomIsPlain(std::string_view syntax) {
+  return syntax.empty() || syntax == kImplicit || syntax == kExplicit || syntax == kDeflated || syntax == kBigEndian;
+}
+
+std::optional<DicomDataSet> readDicomDataSet(std::string_view file) {
+  if (file.size() <= kPreamble) return {};
+  return Walk(file).wholeFile();
+}
+
+std::optional<std::string> inflatedDicom(std::string_view file) {
+  if (file.size() <= kPreamble) return {};
+  Walk walk(file);
+  if (!walk.head()) return {};
+  return inflated(walk.rest(), kMostInflated);
 }
 
 }  // namespace palpate

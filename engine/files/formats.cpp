@@ -114,6 +114,7 @@ const std::vector<VolumeFormat>& volumeFormats() {
        {},
        "folder of DICOM slices; folder#2 or folder#UID names one of several series",
        readDicom,
+       true,
        true},
       {"phantom", {}, "phantom:NAME?size=64&spacing=1mm&noise=0&seed=1: a surface known exactly", readPhantom},
   };
@@ -124,7 +125,12 @@ Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
   const VolumeName parsed = parseVolumeName(name);
   const std::string plain = parsed.withPart();
   try {
-    Volume volume = chooseFormat(plain).read({plain, memory_budget_bytes, parsed.instead_of_nan});
+    const VolumeFormat& format = chooseFormat(plain);
+    if (parsed.resample && !format.resamples) {
+      refuse(name, fmt::format("{} volumes are not resampled, only tilted slices of DICOM series are", format.name),
+             "leave --resample out");
+    }
+    Volume volume = format.read({plain, memory_budget_bytes, parsed.instead_of_nan, parsed.resample});
     if (plain != name) volume.rename(name);
     remarkOnSize(volume);
     return volume;

@@ -13,9 +13,10 @@ namespace palpate {
 
 // The arguments of a reader.
 struct ReadRequest {
-  std::string name;  // as the user gave it, without "?nan=": "scan.nrrd", "file.vdb#density", "folder#1.2.3"
+  std::string name;  // as the user gave it, without what is after '?': "scan.nrrd", "file.vdb#density", "folder#1.2.3"
   std::size_t memory_budget_bytes = 0;  // 0: what the machine has free
   std::optional<float> instead_of_nan;  // VolumeFacts::instead_of_nan
+  bool resample = false;                // VolumeName::resample
 };
 
 struct VolumeFormat {
@@ -24,6 +25,7 @@ struct VolumeFormat {
   std::string description;            // one line for help texts
   Volume (*read)(const ReadRequest& request);
   bool has_parts = false;  // whether a name may end with a part, "file.vdb#density"; otherwise loadVolume refuses it
+  bool resamples = false;  // whether its reader knows ReadRequest::resample; otherwise loadVolume refuses it
 };
 
 // Every format, in the order in which help texts list them. Any thread.

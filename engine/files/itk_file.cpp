@@ -4,8 +4,6 @@
 
 #include <stdexcept>
 
-#include <itkGDCMImageIO.h>
-#include <itkMetaDataObject.h>
 #include <itkMetaImageIO.h>
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
@@ -25,8 +23,6 @@ itk::ImageIOBase::Pointer makeIo(ItkReader reader) {
       return itk::NiftiImageIO::New().GetPointer();
     case ItkReader::kMeta:
       return itk::MetaImageIO::New().GetPointer();
-    case ItkReader::kDicomSlice:
-      return itk::GDCMImageIO::New().GetPointer();
   }
   return nullptr;
 }
@@ -122,19 +118,6 @@ class OpenItkFile final : public ItkFile {
       image_->SetIORegion(wholeRegion(*image_));
       image_->Read(values.data());
     });
-  }
-
-  [[nodiscard]] std::map<std::string, std::string> tags() const override {
-    std::map<std::string, std::string> all;
-    const itk::MetaDataDictionary& dictionary = image_->GetMetaDataDictionary();
-    for (const std::string& key : dictionary.GetKeys()) {
-      std::string value;
-      if (!itk::ExposeMetaData<std::string>(dictionary, key, value)) continue;
-      while (!value.empty() && (value.back() == ' ' || value.back() == '\0')) value.pop_back();
-      value.erase(0, value.find_first_not_of(' '));
-      all.emplace(key, std::move(value));
-    }
-    return all;
   }
 
  private:

@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,7 +19,7 @@
 
 namespace palpate {
 
-enum class ItkReader { kNrrd, kNifti, kMeta, kDicomSlice };
+enum class ItkReader { kNrrd, kNifti, kMeta };
 
 struct ItkHeader {
   unsigned components = 1;
@@ -39,8 +38,6 @@ class ItkFile {
   // Fills `values`, which must have exactly the size of all voxels as header().type. Throws as open() does, and if the
   // size is another one.
   virtual void read(std::span<char> values) = 0;
-  // Every DICOM value by its tag, "0020|000e", trimmed. Other formats may have such entries too.
-  [[nodiscard]] virtual std::map<std::string, std::string> tags() const = 0;
 };
 
 struct ItkModule {

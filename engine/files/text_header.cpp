@@ -9,8 +9,10 @@
 #include <fstream>
 #include <limits>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -116,6 +118,11 @@ Error cannotRead(const std::string& source, const std::string& what, const std::
   return {Error::Code::kIo, source, fmt::format("{} cannot be opened or read: {}", what, why.message()),
           no_descriptor ? "raise the limit of open files (ulimit -n), or end other programs"
                         : "check the permissions of the file, and its disk"};
+}
+
+void checkOpens(const std::string& path, const std::string& source, const std::string& what) {
+  const Descriptor opened(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!opened) throw cannotRead(source, what, {errno, std::generic_category()});
 }
 
 std::uint64_t fileBytes(const std::string& path, const std::string& source) {

@@ -37,6 +37,9 @@ enum class TextFormat { kNrrd, kMeta };
 // The Error for a file that the system cannot open or read. `what`: the words for the file: "it", "slice a.dcm".
 [[nodiscard]] Error cannotRead(const std::string& source, const std::string& what, const std::error_code& why);
 
+// Throws cannotRead() unless the file can be opened: a library, or who looks at its content, would call it damaged.
+void checkOpens(const std::string& path, const std::string& source, const std::string& what);
+
 // Size of a file [byte]. Throws Error(kNotFound).
 [[nodiscard]] std::uint64_t fileBytes(const std::string& path, const std::string& source);
 

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/files/dicom_values.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "engine/field/raw_values.hpp"
+#include "engine/files/components.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kCopyAgain = "copy the series again";
+
+// Number `n` of an element; `otherwise` if there is none.
+std::uint32_t numberOf(const DicomSlice& slice, DicomTag tag, std::uint32_t otherwise, std::size_t n = 0) {
+  const std::vector<std::uint32_t>& numbers = slice.file->root.element(tag).numbers;
+  return n < numbers.size() ? numbers[n] : otherwise;
+}
+
+void checkGrey(const DicomSlice& slice, const std::string& source) {
+  if (slice.file->floating) {
+    refuse(source, fmt::format("the pixels of {} are floating-point numbers (FloatPixelData)", slice.name()),
+           "convert the series to NIfTI or NRRD");
+  }
+  const std::uint32_t samples = numberOf(slice, DicomTag::kSamplesPerPixel, 1);
+  if (samples > 1)
+    refuseComponents(source, Components::kColours, samples, fmt::format("the pixels of {}", slice.name()));
+  const std::string meaning = slice.file->root.text(DicomTag::kPhotometricInterpretation);
+  if (meaning.empty() || meaning == "MONOCHROME1" || meaning == "MONOCHROME2") return;
+  refuse(source,
+         fmt::format("the pixels of {} are {} (PhotometricInterpretation), not grey values", slice.name(), meaning),
+         "give a series of MONOCHROME1 or MONOCHROME2");
+}
+
+void checkBits(const DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
+  const std::uint32_t allocated = rule.bits_allocated;
+  if (allocated != 8 && allocated != 16 && allocated != 32) {
+    refuse(source, fmt::format("the pixels of {} take {} bits each (BitsAllocated)", slice.name(), allocated),
+           "convert the series to 8, 16 or 32 bits");
+  }
+  if (rule.bits_stored >= 1 && rule.bits_stored <= rule.high_bit + 1 && rule.high_bit < allocated) return;
+  refuse(source,
+         fmt::format("in {} no {} bits (BitsStored) with bit {} on top (HighBit) lie in pixels of {} bits "
+                     "(BitsAllocated)",
+                     slice.name(), rule.bits_stored, rule.high_bit, allocated),
+         kCopyAgain);
+}
+
+// Empty if the slice has none.
+std::optional<double> scaleOf(const DicomSlice& slice, DicomTag tag, const char* name, const std::string& source) {
+  const std::string text = slice.text(tag);
+  if (text.empty()) return {};
+  const std::vector<double> numbers = dicomNumbers(text);
+  const bool good = numbers.size() == 1 && std::isfinite(numbers[0]);
+  if (good && (numbers[0] != 0 || tag == DicomTag::kRescaleIntercept)) return numbers[0];
+  refuse(source, fmt::format("the {} \"{}\" of {} is no number to scale by", name, text, slice.name()), kCopyAgain);
+}
+
+void readScale(DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
+  const auto slope = scaleOf(slice, DicomTag::kRescaleSlope, "RescaleSlope", source);
+  const auto intercept = scaleOf(slice, DicomTag::kRescaleIntercept, "RescaleIntercept", source);
+  if (slope.has_value() != intercept.has_value()) {
+    refuse(source,
+           fmt::format("{} has a {} and no {}", slice.name(), slope ? "RescaleSlope" : "RescaleIntercept",
+                       slope ? "RescaleIntercept" : "RescaleSlope"),
+           "write both into every slice, or none");
+  }
+  rule.scaled = slope.has_value();
+  rule.slope = slope.value_or(1);
+  rule.intercept = intercept.value_or(0);
+}
+
+std::int64_t asSigned16(std::uint32_t number) {
+  return static_cast<std::int16_t>(number);
+}
+
+class ModalityTable {
+ public:
+  ModalityTable(const DicomSlice& slice, const DicomItem& item, const std::string& source)
+      : slice_(slice), item_(item), source_(source) {}
+
+  void read(DicomValueRule& rule) const {
+    const DicomElement& descriptor = item_.element(DicomTag::kLutDescriptor);
+    if (descriptor.numbers.size() != 3) refuseTable("has no LUTDescriptor of three numbers");
+    const std::uint32_t entries = descriptor.numbers[0] == 0 ? 65536 : descriptor.numbers[0];
+    rule.first_mapped = rule.is_signed ? asSigned16(descriptor.numbers[1]) : descriptor.numbers[1];
+    const bool told_signed = descriptor.type == "SS";
+    const bool told = told_signed || descriptor.type == "US";
+    if (told && told_signed != rule.is_signed && descriptor.numbers[1] >= 0x8000) {
+      refuseTable("begins at a value whose sign contradicts PixelRepresentation");
+    }
+    const std::uint32_t bits = descriptor.numbers[2];
+    if (bits < 8 || bits > 16) refuseTable(fmt::format("has entries of {} bits", bits));
+    rule.table = entriesOf(entries, bits);
+  }
+
+ private:
+  [[noreturn]] void refuseTable(const std::string& what) const {
+    refuse(source_, fmt::format("the table ModalityLUTSequence of {} {}", slice_.name(), what),
+           "convert the series in another program");
+  }
+
+  // Entries of 8 bits may lie in a byte or in a word each; the length tells (PS3.3, C.11.1.1.1).
+  [[nodiscard]] std::vector<std::uint16_t> entriesOf(std::size_t count, std::uint32_t bits) const {
+    const std::string& bytes = item_.element(DicomTag::kLutData).bytes;
+    std::vector<std::uint16_t> entries(count);
+    if (bytes.size() == 2 * count) {
+      std::memcpy(entries.data(), bytes.data(), bytes.size());
+      if (slice_.file->swapped) swapBytes({reinterpret_cast<char*>(entries.data()), bytes.size()}, ValueType::kUint16);
+      return entries;
+    }
+    if (bits != 8 || bytes.size() != count + count % 2) {
+      refuseTable(fmt::format("has {} bytes for {} entries of {} bits", bytes.size(), count, bits));
+    }
+    if (slice_.file->swapped) refuseTable("has two entries in a word, in big-endian order");
+    std::transform(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count), entries.begin(),
+                   [](char entry) { return static_cast<unsigned char>(entry); });
+    return entries;
+  }
+
+  const DicomSlice& slice_;
+  const DicomItem& item_;
+  const std::string& source_;
+};
+
+void readTable(DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
+  const auto& items = slice.file->root.element(DicomTag::kModalityLutSequence).items;
+  if (items.empty()) return;
+  if (items.size() > 1) {
+    refuse(source, fmt::format("{} has {} tables in ModalityLUTSequence", slice.name(), items.size()),
+           "convert the series in another program");
+  }
+  if (!slice.text(DicomTag::kRescaleSlope).empty()) {
+    refuse(source,
+           fmt::format("{} has a RescaleSlope and a ModalityLUTSequence, which exclude each other", slice.name()),
+           "convert the series in another program");
+  }
+  ModalityTable(slice, items[0], source).read(rule);
+}
+
+// The type of these numbers, US or SS, is often wrong, and PixelRepresentation says what is meant.
+std::optional<std::int64_t> paddingNumber(const DicomSlice& slice, DicomTag tag, const char* name, bool is_signed,
+                                          const std::string& source) {
+  if (!slice.file->root.has(tag)) return {};
+  const std::vector<std::uint32_t>& numbers = slice.file->root.element(tag).numbers;
+  if (numbers.size() != 1)
+    refuse(source, fmt::format("the {} of {} is not one number of 16 bits", name, slice.name()), kCopyAgain);
+  return is_signed ? asSigned16(numbers[0]) : numbers[0];
+}
+
+void readPadding(DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
+  const auto value = paddingNumber(slice, DicomTag::kPixelPaddingValue, "PixelPaddingValue", rule.is_signed, source);
+  const auto limit =
+      paddingNumber(slice, DicomTag::kPixelPaddingRangeLimit, "PixelPaddingRangeLimit", rule.is_signed, source);
+  if (limit && !value) {
+    refuse(source, fmt::format("{} has a PixelPaddingRangeLimit and no PixelPaddingValue", slice.name()), kCopyAgain);
+  }
+  if (value) rule.padding = {std::min(*value, limit.value_or(*value)), std::max(*value, limit.value_or(*value))};
+}
+
+// The stored value of a word.
+class Stored {
+ public:
+  explicit Stored(const DicomValueRule& rule)
+      : shift_(rule.high_bit + 1 - rule.bits_stored),
+        mask_((std::int64_t{1} << rule.bits_stored) - 1),
+        sign_(rule.is_signed ? std::int64_t{1} << (rule.bits_stored - 1) : 0) {}
+
+  [[nodiscard]] std::int64_t of(std::uint32_t word) const {
+    const std::int64_t value = (std::int64_t{word} >> shift_) & mask_;
+    return (value ^ sign_) - sign_;  // a set sign bit stands for minus its place
+  }
+
+ private:
+  std::uint32_t shift_;
+  std::int64_t mask_, sign_;
+};
+
+// Calls `work(n, word)` for every word.
+template <class Work>
+void forEachWord(const DicomValueRule& rule, std::span<const char> words, const Work& work) {
+  const auto each = [&](auto word) {
+    for (std::size_t n = 0; n < words.size() / sizeof word; ++n) {
+      std::memcpy(&word, words.data() + n * sizeof word, sizeof word);
+      work(n, std::uint32_t{word});
+    }
+  };
+  if (rule.bits_allocated == 8) return each(std::uint8_t{});
+  if (rule.bits_allocated == 16) return each(std::uint16_t{});
+  each(std::uint32_t{});
+}
+
+}  // namespace
+
+DicomValueRule valueRuleOf(const DicomSlice& slice, const std::string& source) {
+  checkGrey(slice, source);
+  DicomValueRule rule;
+  rule.bits_allocated = numberOf(slice, DicomTag::kBitsAllocated, 0);
+  rule.bits_stored = numberOf(slice, DicomTag::kBitsStored, rule.bits_allocated);
+  rule.high_bit = numberOf(slice, DicomTag::kHighBit, rule.bits_stored - 1);
+  const std::uint32_t representation = numberOf(slice, DicomTag::kPixelRepresentation, 0);
+  if (representation > 1)
+    refuse(source, fmt::format("the PixelRepresentation {} of {} is not 0 or 1", representation, slice.name()),
+           kCopyAgain);
+  rule.is_signed = representation == 1;
+  checkBits(rule, slice, source);
+  readScale(rule, slice, source);
+  readTable(rule, slice, source);
+  readPadding(rule, slice, source);
+  return rule;
+}
+
+std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::string& source) {
+  std::vector<DicomValueRule> rules;
+  const auto check = [&](const DicomSlice& slice, bool here, bool first, const char* what) {
+    if (here == first) return;
+    refuse(source,
+           fmt::format("{} has a {}, and {} has none", (here ? slice : series[0]).name(), what,
+                       (here ? series[0] : slice).name()),
+           "keep one scan in a folder");
+  };
+  for (const DicomSlice& slice : series) {
+    rules.push_back(valueRuleOf(slice, source));
+    check(slice, rules.back().scaled, rules[0].scaled, "RescaleSlope");
+    check(slice, !rules.back().table.empty(), !rules[0].table.empty(), "ModalityLUTSequence");
+  }
+  return rules;
+}
+
+bool hasOtherBits(const DicomValueRule& rule, std::span<const char> words) {
+  const Stored stored(rule);
+  const std::uint32_t whole = static_cast<std::uint32_t>((std::uint64_t{1} << rule.bits_allocated) - 1);
+  const std::uint32_t low = rule.high_bit + 1 - rule.bits_stored;
+  bool other = false;
+  forEachWord(rule, words, [&](std::size_t, std::uint32_t word) {
+    const auto extended = static_cast<std::uint32_t>(stored.of(word)) << low & whole;
+    const std::uint32_t cleared = extended & static_cast<std::uint32_t>((std::uint64_t{1} << (rule.high_bit + 1)) - 1);
+    other = other || (word != extended && word != cleared);
+  });
+  return other;
+}
+
+void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities) {
+  const Stored stored(rule);
+  const auto last = static_cast<std::int64_t>(rule.table.size()) - 1;
+  forEachWord(rule, words, [&](std::size_t n, std::uint32_t word) {
+    const std::int64_t value = stored.of(word);
+    if (rule.padding && value >= rule.padding->lowest && value <= rule.padding->highest) {
+      densities[n] = noValue();
+    } else if (!rule.table.empty()) {
+      densities[n] = rule.table[static_cast<std::size_t>(std::clamp<std::int64_t>(value - rule.first_mapped, 0, last))];
+    } else {
+      densities[n] = floatOf(static_cast<double>(value) * rule.slope + rule.intercept);
+    }
+  });
+}
+
+}  // namespace palpate

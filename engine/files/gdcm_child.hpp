@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/files/gdcm_child.hpp: unpacks the pixels of DICOM files by GDCM, in a child process (base/child_process.hpp).
+// Private to engine/files.
+//
+// Why a child process: Debian builds GDCM with its assertions on, so it may end over a damaged file. Set-up thread.
+// Cost: a fork, and GDCM's own.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+struct PackedFile {
+  std::filesystem::path path;
+  unsigned bits_allocated = 16;  // of a word
+  std::span<char> words;         // where the words of all frames go: shared memory (base/shared_buffer.hpp)
+};
+
+// Throws Error(kBadInput) that names the first file which GDCM cannot unpack, crashes on or takes too long over;
+// Error(kIo) for one that cannot be opened.
+void unpackDicom(const std::vector<PackedFile>& files, const std::string& source);
+
+}  // namespace palpate
