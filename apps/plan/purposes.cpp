@@ -113,7 +113,7 @@ constexpr Purpose kModules[] = {
     {"assimp", "meshes in OBJ files"},
     {"cairo", "pictures"},
     {"embree", "mesh objects, and the algorithm that touches a mesh of the isosurface"},
-    {"gdcm", "packed pixels of DICOM slices"},
+    {"gdcm", "DICOM slices packed as JPEG"},
     {"hidraw", "a haptic device, by the kernel's hidraw"},
     {"hidusb", "a haptic device, by libusb (--hid libusb)"},
     {"invesalius", "volumes in InVesalius projects (.inv3)"},

@@ -79,10 +79,14 @@ struct DicomDataSet {
   bool swapped = false;    // its numbers, against the machine's byte order
   std::size_t frames = 1;  // one at least
   bool has_pixels = false;
-  bool packed = false;             // the pixels are in fragments; they are bytes from `pixel_offset` on otherwise
-  bool floating = false;           // there are pixels that are floating-point numbers
-  std::string pixel_type;          // "OW"; empty where the file does not say
-  std::uint64_t pixel_offset = 0;  // in the file, or for a deflated file in what it unpacks to [byte]
+  bool packed = false;     // the pixels are in fragments; they are bytes from `pixel_offset` on otherwise
+  bool floating = false;   // there are pixels that are floating-point numbers
+  std::string pixel_type;  // "OW"; empty where the file does not say
+  struct Fragment {
+    std::uint64_t offset = 0, bytes = 0;
+  };
+  std::vector<Fragment> rle_frames;  // one for each frame, if they are packed as RLE
+  std::uint64_t pixel_offset = 0;    // in the file, or for a deflated file in what it unpacks to [byte]
 };
 
 }  // namespace palpate

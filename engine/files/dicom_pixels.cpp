@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/shared_buffer.hpp"
 #include "engine/field/raw_values.hpp"
+#include "engine/files/dicom_rle.hpp"
 #include "engine/files/dicom_structure.hpp"
 #include "engine/files/gdcm_child.hpp"
 #include "engine/files/text_header.hpp"
@@ -26,6 +27,10 @@ namespace fs = std::filesystem;
 
 std::size_t frameBytes(const DicomSlice& slice, const DicomValueRule& rule) {
   return slice.columns() * slice.rows() * rule.wordBytes();
+}
+
+bool unpackedByGdcm(const DicomSlice& slice) {
+  return slice.file->packed && slice.file->rle_frames.empty();
 }
 
 void checkPixels(const DicomSlice& slice, const DicomValueRule& rule, const std::string& source) {
@@ -41,10 +46,15 @@ void checkPixels(const DicomSlice& slice, const DicomValueRule& rule, const std:
     refuse(source, fmt::format("{} holds two pixels in a word, in big-endian order", slice.name()),
            "convert the series to little-endian order");
   }
-  if (file.packed && rule.high_bit + 1 != rule.bits_stored) {
+  if (unpackedByGdcm(slice) && rule.high_bit + 1 != rule.bits_stored) {
     refuse(source,
            fmt::format("{} is packed, and the highest of its {} bits (BitsStored) is bit {} (HighBit)", slice.name(),
                        rule.bits_stored, rule.high_bit),
+           "unpack the series in another program");
+  }
+  if (unpackedByGdcm(slice) && rule.bits_allocated == 8 && rule.bits_stored < 8) {  // an assertion of GDCM's
+    refuse(source,
+           fmt::format("{} is packed, and has {} bits (BitsStored) in pixels of 8", slice.name(), rule.bits_stored),
            "unpack the series in another program");
   }
 }
@@ -54,14 +64,21 @@ ValueType wordType(const DicomValueRule& rule) {
   return rule.bits_allocated == 16 ? ValueType::kUint16 : ValueType::kUint32;
 }
 
-// Pixels that are plain bytes. Keeps the file of the last slice, for the next of its frames.
-class PlainPixels {
+// Pixels that are plain bytes or packed as RLE. Keeps the file of the last slice, for the next of its frames.
+class OwnPixels {
  public:
-  explicit PlainPixels(const std::string& source) : source_(source) {}
+  explicit OwnPixels(const std::string& source) : source_(source) {}
 
   [[nodiscard]] std::vector<char> words(const DicomSlice& slice, const DicomValueRule& rule) {
     if (slice.path != path_) open(slice);
     std::vector<char> words(frameBytes(slice, rule));
+    if (slice.file->packed) {
+      const DicomDataSet::Fragment& frame = slice.file->rle_frames.at(slice.frame);
+      std::vector<char> packed(frame.bytes);
+      read(slice, frame.offset, packed);
+      if (!unpackRle({packed.data(), packed.size()}, rule.wordBytes(), words)) refuseChanged(slice);
+      return words;
+    }
     const std::uint64_t begin = slice.file->pixel_offset + slice.frame * words.size();
     slice.file->deflated ? copy(slice, begin, words) : read(slice, begin, words);
     if (slice.file->swapped) swapBytes(words, wordType(rule));
@@ -73,7 +90,7 @@ class PlainPixels {
     path_ = slice.path;
     if (slice.file->deflated) {
       const auto set = inflatedDicom(bytesOfSlice(slice.path, source_));
-      if (!set) refuseShort(slice);
+      if (!set) refuseChanged(slice);
       inflated_ = *set;
     } else {
       opened_ = Descriptor(::open(slice.path.c_str(), O_RDONLY | O_CLOEXEC));
@@ -82,7 +99,7 @@ class PlainPixels {
   }
 
   void copy(const DicomSlice& slice, std::uint64_t begin, std::vector<char>& words) const {
-    if (begin > inflated_.size() || words.size() > inflated_.size() - begin) refuseShort(slice);
+    if (begin > inflated_.size() || words.size() > inflated_.size() - begin) refuseChanged(slice);
     inflated_.copy(words.data(), words.size(), begin);
   }
 
@@ -92,13 +109,13 @@ class PlainPixels {
           pread(opened_.get(), words.data() + done, words.size() - done, static_cast<off_t>(begin + done));
       if (got < 0 && errno == EINTR) continue;
       if (got < 0) throw cannotRead(source_, slice.name(), {errno, std::generic_category()});
-      if (got == 0) refuseShort(slice);
+      if (got == 0) refuseChanged(slice);
       done += static_cast<std::size_t>(got);
     }
   }
 
-  [[noreturn]] void refuseShort(const DicomSlice& slice) const {
-    refuse(source_, fmt::format("{} became shorter while it was read", slice.name()), "copy the series again");
+  [[noreturn]] void refuseChanged(const DicomSlice& slice) const {
+    refuse(source_, fmt::format("{} changed while it was read", slice.name()), "copy the series again");
   }
 
   const std::string& source_;
@@ -107,14 +124,14 @@ class PlainPixels {
   std::string inflated_;
 };
 
-// The words of packed files, all of whose frames are unpacked at once.
+// The words of files that GDCM unpacks, all of whose frames are unpacked at once.
 class PackedPixels {
  public:
   PackedPixels(const DicomSeries& series, const std::vector<DicomValueRule>& rules, const std::string& source)
       : source_(source) {
     std::size_t bytes = 0;
     for (std::size_t n = 0; n < series.size(); ++n) {
-      if (!series[n].file->packed || !begins_.emplace(series[n].path, bytes).second) continue;
+      if (!unpackedByGdcm(series[n]) || !begins_.emplace(series[n].path, bytes).second) continue;
       files_.push_back({series[n].path, rules[n].bits_allocated, {}});
       sizes_.push_back(series[n].frames * frameBytes(series[n], rules[n]));
       bytes += sizes_.back();
@@ -149,15 +166,15 @@ std::vector<float> readDicomPixels(const DicomSeries& series, const std::vector<
                                    const std::string& source) {
   for (std::size_t n = 0; n < series.size(); ++n) checkPixels(series[n], rules[n], source);
   const PackedPixels packed(series, rules, source);
-  PlainPixels plain(source);
+  OwnPixels own(source);
   const std::size_t pixels = series[0].columns() * series[0].rows();
   std::vector<float> densities(pixels * series.size());
   for (std::size_t n = 0; n < series.size(); ++n) {
     const std::span<float> to = std::span(densities).subspan(n * pixels, pixels);
-    if (series[n].file->packed) {
+    if (unpackedByGdcm(series[n])) {
       toDensities(rules[n], packed.words(series[n], rules[n]), to);
     } else {
-      toDensities(rules[n], plain.words(series[n], rules[n]), to);
+      toDensities(rules[n], own.words(series[n], rules[n]), to);
     }
   }
   return densities;

@@ -68,7 +68,7 @@ double packedBytesPerVoxel(const DicomSeries& series, const Rules& rules) {
   double bytes = 0;
   for (std::size_t n = 0; n < series.size(); ++n) {
     const bool first = n == 0 || series[n].path != series[n - 1].path;
-    if (series[n].file->packed && first)
+    if (series[n].file->packed && series[n].file->rle_frames.empty() && first)
       bytes += static_cast<double>(series[n].frames) * static_cast<double>(rules[n].wordBytes());
   }
   return bytes / static_cast<double>(series.size());

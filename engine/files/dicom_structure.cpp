@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "engine/files/dicom_rle.hpp"
 #include "engine/files/unpacker.hpp"
 
 namespace palpate {
@@ -96,45 +97,6 @@ bool isOneOf(std::string_view names, std::string_view type) {
     if (names.substr(n, 2) == type) return true;
   }
   return false;
-}
-
-std::uint32_t littleEndian(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 4; i-- > 0;) value = value << 8U | static_cast<unsigned char>(bytes[at + i]);
-  return value;
-}
-
-// Whether one byte plane of packed pixels unpacks to exactly `bytes`: runs of PackBits, then padding (PS3.5, G.3).
-bool rleSegmentGives(std::string_view segment, double bytes) {
-  double given = 0;
-  for (std::size_t at = 0; given < bytes;) {
-    if (at >= segment.size()) return false;
-    const auto head = static_cast<unsigned char>(segment[at++]);
-    if (head == 128) continue;
-    const std::size_t count = head < 128 ? head + 1U : 257U - head;
-    at += head < 128 ? count : 1;
-    if (at > segment.size()) return false;
-    given += static_cast<double>(count);
-    if (given > bytes) return false;
-  }
-  return true;
-}
-
-// Whether a frame packed as RLE is complete: 16 words that say where each byte plane begins, then the planes (PS3.5,
-// G.5).
-bool rleFits(std::string_view fragment, double pixels, double planes) {
-  constexpr std::size_t kHeader = 64;
-  if (fragment.size() < kHeader || littleEndian(fragment, 0) != planes) return false;
-  std::size_t begin = littleEndian(fragment, 4);
-  if (begin < kHeader) return false;
-  for (std::size_t plane = 1; static_cast<double>(plane) <= planes; ++plane) {
-    const bool last = static_cast<double>(plane) == planes;
-    const std::size_t end = last ? fragment.size() : littleEndian(fragment, 4 * (plane + 1));
-    if (end < begin || end > fragment.size()) return false;
-    if (!rleSegmentGives(fragment.substr(begin, end - begin), pixels)) return false;
-    begin = end;
-  }
-  return true;
 }
 
 class Walk {
@@ -289,8 +251,10 @@ class Walk {
         if (!elements(depth, to == nullptr ? nullptr : &to->emplace_back())) return false;
       } else {
         if (item.length > left()) return false;
-        if (packed_ && fragments_++ > 0 && !rleFits(file_.substr(at_, item.length), pixels(), rlePlanes()))
-          return false;  // the first only says where frames begin
+        if (packed_ && fragments_++ > 0) {  // the first only says where frames begin
+          if (!rleFits(file_.substr(at_, item.length), pixels(), rlePlanes())) return false;
+          set_.rle_frames.push_back({at_, item.length});
+        }
         if (to != nullptr && !closedItem(item.length, depth, to->emplace_back())) return false;
         if (to == nullptr) at_ += item.length;
       }

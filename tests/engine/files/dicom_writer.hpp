@@ -147,6 +147,24 @@ inline WrittenItem imageSet(const WrittenImage& image, const std::string& series
   return set;
 }
 
+// A frame packed as RLE, in runs that repeat nothing (PS3.5, annex G): the highest bytes of all words, the next ones,
+// ...
+inline constexpr const char* kRleDicom = "1.2.840.10008.1.2.5";
+inline std::string rleFrame(const std::vector<std::int64_t>& words, std::size_t word_bytes) {
+  std::string planes;
+  std::vector<double> head = {static_cast<double>(word_bytes)};
+  for (std::size_t byte = word_bytes; byte-- > 0;) {
+    head.push_back(static_cast<double>(64 + planes.size()));
+    for (std::size_t n = 0; n < words.size(); ++n) {
+      if (n % 128 == 0) planes += static_cast<char>(std::min<std::size_t>(128, words.size() - n) - 1);
+      planes += static_cast<char>(static_cast<std::uint64_t>(words[n]) >> 8U * byte & 0xffU);
+    }
+    if (planes.size() % 2 != 0) planes += '\0';
+  }
+  head.resize(16);
+  return bytesOf<std::uint32_t>(head) + planes;
+}
+
 // The place of an axial slice of pixels of 0.5 x 0.75 mm: elements of the file itself, or of a frame's groups.
 inline void placeAt(WrittenItem& set, const std::string& position) {
   set[0x00200032] = textOf("DS", position);
