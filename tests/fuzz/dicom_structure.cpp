@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walk over a DICOM file's elements. A file that it accepts as complete must be refused without its last byte, and
-// with bytes added at its end.
+// The walk over a DICOM file's elements, and what it finds: pixels lie in the file, and frames of RLE unpack. A file
+// that it accepts as complete must be refused without its last byte, and with bytes added at its end.
 #include "engine/files/dicom_structure.hpp"
 
+#include <vector>
+
+#include "engine/files/dicom_rle.hpp"
 #include "fuzz_target.hpp"
 
 namespace {
@@ -15,9 +18,29 @@ bool mayBePadded(std::string_view file) {
   return file.find("1.2.840.10008.1.2.1.99") != std::string_view::npos && file.ends_with('\0');
 }
 
+void checkPixels(const DicomDataSet& set, std::string_view file) {
+  if (set.deflated) return;
+  fuzz::require(set.pixel_offset <= file.size(), "its pixels lie behind its end");
+  const auto number = [&](DicomTag tag, std::uint32_t otherwise) {
+    const std::vector<std::uint32_t>& numbers = set.root.element(tag).numbers;
+    return numbers.empty() ? otherwise : numbers[0];
+  };
+  const std::size_t word_bytes = (number(DicomTag::kBitsAllocated, 8) + 7) / 8;
+  const std::size_t bytes = std::size_t{number(DicomTag::kRows, 0)} * number(DicomTag::kColumns, 0) * word_bytes;
+  const bool one_sample = number(DicomTag::kSamplesPerPixel, 1) <= 1;
+  for (const DicomDataSet::Fragment& frame : set.rle_frames) {
+    fuzz::require(frame.offset <= file.size() && frame.bytes <= file.size() - frame.offset, "a frame lies outside");
+    if (!one_sample || word_bytes == 0 || word_bytes > 15 || bytes > std::size_t{1} << 24U) continue;
+    std::vector<char> words(bytes);
+    fuzz::require(unpackRle(file.substr(frame.offset, frame.bytes), word_bytes, words), "a frame does not unpack");
+  }
+}
+
 void check(std::string_view file) {
-  fuzz::verdict = dicomIsWhole(file) ? fuzz::Verdict::kAccepted : fuzz::Verdict::kRefused;
+  const std::optional<DicomDataSet> set = readDicomDataSet(file);
+  fuzz::verdict = set ? fuzz::Verdict::kAccepted : fuzz::Verdict::kRefused;
   if (fuzz::verdict == fuzz::Verdict::kRefused) return;
+  checkPixels(*set, file);
   if (!mayBePadded(file)) {
     fuzz::require(!dicomIsWhole(file.substr(0, file.size() - 1)), "without its last byte it is whole too");
   }

@@ -17,7 +17,10 @@ namespace {
 using namespace palpate;
 
 std::string textOf(const VolumeName& name) {
-  return name.withPart() + (name.instead_of_nan ? fmt::format("?nan={:.9g}", *name.instead_of_nan) : "");
+  std::string text = name.withPart();
+  if (name.instead_of_nan) text += fmt::format("?nan={:.9g}", *name.instead_of_nan);
+  if (name.resample) text += name.instead_of_nan ? "&resample" : "?resample";
+  return text;
 }
 
 void checkName(const std::string& text) {
@@ -26,7 +29,8 @@ void checkName(const std::string& text) {
   fuzz::require(!name.instead_of_nan || std::isfinite(*name.instead_of_nan), "NaN would become no finite number");
   fuzz::mustAccept("its own words are refused", [&] {
     const VolumeName again = parseVolumeName(textOf(name));
-    const bool same = again.path == name.path && again.part == name.part && again.instead_of_nan == name.instead_of_nan;
+    const bool same = again.path == name.path && again.part == name.part &&
+                      again.instead_of_nan == name.instead_of_nan && again.resample == name.resample;
     fuzz::require(same, "it reads otherwise from " + textOf(name));
   });
 }

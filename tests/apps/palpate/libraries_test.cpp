@@ -23,7 +23,8 @@ struct Module {
 };
 const std::vector<Module>& modules() {
   static const std::vector<Module> kModules = {{"openvdb", {"libopenvdb.", "liblog4cplus"}},
-                                               {"itk", {"libITK", "libgdcm"}},
+                                               {"itk", {"libITK"}},
+                                               {"gdcm", {"libgdcm"}},
                                                {"invesalius", {"libarchive.", "libplist"}},
                                                {"embree", {"libembree"}},
                                                {"assimp", {"libassimp."}},
@@ -97,7 +98,8 @@ TEST_F(Libraries, FormatsLoadTheirOwnLibrary) {
   expectModules(quickTouch("a.mha"), {"openvdb", "itk"});
 }
 
-TEST_F(Libraries, DicomLoadsItk) {
+// Its pixels are plain bytes, so nothing has to be unpacked.
+TEST_F(Libraries, DicomLoadsNothing) {
   std::filesystem::create_directory(file("scan"));
   for (int k = 0; k < 4; ++k) {
     DicomFields fields;
@@ -108,7 +110,7 @@ TEST_F(Libraries, DicomLoadsItk) {
     write(fmt::format("scan/{}.dcm", k), dicomBytes(fields));
   }
   writeWay();
-  expectModules(quickTouchAlong("way.csv", "scan"), {"openvdb", "itk"});
+  expectModules(quickTouchAlong("way.csv", "scan"), {"openvdb"});
 }
 
 TEST_F(Libraries, AnInvesaliusProjectLoadsItsArchivers) {
