@@ -115,6 +115,38 @@ TEST_F(Series, OneThatIsNotThereIsRefused) {
   EXPECT_FALSE(exists("out"));
 }
 
+// Slices of the first series, shifted by half a millimetre each: refused, and made upright where the user says so, by a
+// flag, by a scene or in the volume's name.
+TEST_F(Series, OfATiltedGantryAreResampledOnRequest) {
+  std::filesystem::create_directory(file("tilted"));
+  for (int k = 0; k < 12; ++k) {
+    DicomFields fields;
+    fields.sop = fmt::format("1.2.{}", k + 1);
+    fields.position = fmt::format("0\\{}\\{}", 0.5 * k, k);
+    fields.pixel_spacing = "1\\1";
+    fields.rows = fields.columns = 10;
+    for (int p = 0; p < 100; ++p) fields.pixels.push_back(p % 10 > 2 && p % 10 < 7 && k > 2 && k < 9 ? 200 : 0);
+    write(fmt::format("tilted/{}.dcm", k), dicomBytes(fields));
+  }
+  expectRefusal(run({"info", "tilted"}), "tilted", "as under a tilted gantry; give --resample", 2);
+  // 11 steps of half a pixel make the block 5.5 pixels longer, so 6; atan(0.5) is 26.6 degrees.
+  for (const Words& words : {Words{"info", "tilted", "--resample"}, Words{"info", "tilted?resample"}}) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out + outcome.err, HasSubstr("tilted by 26.6 degrees and were resampled upright"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  size         10 x 16 x 12 voxels\n"));
+  }
+  const Outcome converted = run({"convert", "tilted", "o.nrrd", "--resample", "--nan", "-500"});
+  EXPECT_EQ(converted.status, 0);
+  EXPECT_THAT(converted.err, HasSubstr("780 of 1920 voxels have no value and are -500 here"));
+  EXPECT_EQ(loadVolume(file("o.nrrd").string()).minimum(), -500);
+  write("scene.toml", "volume = \"tilted\"\nresample = \"yes\"\nisovalue = 100\n");
+  EXPECT_EQ(run({"touch", "scene.toml", "--seconds", "0.1", "--clock", "simulated", "--out", "out"}).status, 0);
+  const auto summary = nlohmann::json::parse(contentsOf(file("out/summary.json")));
+  EXPECT_EQ(summary["volume"]["size_voxel"], (nlohmann::json{10, 16, 12}));
+  expectRefusal(run({"info", "o.nrrd", "--resample"}), "o.nrrd", "NRRD volumes are not resampled", 2);
+}
+
 // What has no series is no folder of them; and one choice is enough.
 TEST_F(Series, AreOfFoldersAndChosenOnce) {
   expectRefusal(run({"info", "phantom:sphere?size=16", "--series", "1"}), "phantom:sphere", "it has no series", 2);

@@ -201,10 +201,12 @@ TEST(OptionTable, HelpSaysUnitDefaultAndKey) {
 }
 
 // A flag without a value would swallow none, or one with a value the volume behind it.
-TEST(OptionTable, ThreeFlagsAloneHaveNoValue) {
+TEST(OptionTable, FourFlagsAloneHaveNoValue) {
   for (const SceneOption& option : sceneOptions()) {
     const std::string_view flag = option.flag;
-    EXPECT_EQ(isBare(option.value), flag == "--require-real-time" || flag == "--calibrated" || flag == "--service") << flag;
+    EXPECT_EQ(isBare(option.value),
+              flag == "--require-real-time" || flag == "--calibrated" || flag == "--service" || flag == "--resample")
+        << flag;
   }
 }
 
