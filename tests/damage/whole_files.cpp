@@ -7,6 +7,7 @@
 #include "engine/field/isosurface_mesh.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/damage/vdb_grids.hpp"
+#include "tests/engine/files/dicom_writer.hpp"
 #include "tests/engine/files/packed_dicom.hpp"
 #include "tests/engine/files/samples.hpp"
 
@@ -99,6 +100,25 @@ WholeFile packedDicomFile(const std::string& name, DicomPacking packing) {
       name, "s1.dcm", "", false, false, ':', {.length = true}, fragmentOf(one).first, [slice](const std::string& f) {
         for (int n = 0; n < 3; ++n) writeFile(in(f, fmt::format("s{}.dcm", n)), slice(n));
       }};
+}
+
+// Three frames in one file, which says of each where it lies.
+std::string dicomFrames() {
+  WrittenImage image;
+  image.rows = 4;
+  image.columns = 5;
+  for (const double value : shorts()) image.words.push_back(static_cast<std::int64_t>(value));
+  WrittenItem set = imageSet(image);
+  set[0x00280008] = textOf("IS", "3");
+  WrittenItem shared;
+  addOrientation(shared);
+  addMeasures(shared);
+  addTransformation(shared, "2", "-100");
+  std::vector<WrittenItem> frames(3);
+  for (std::size_t n = 0; n < frames.size(); ++n) addPosition(frames[n], fmt::format("0\\0\\{}", 2 * n));
+  set[0x52009229] = itemsOf({shared});
+  set[0x52009230] = itemsOf(frames);
+  return DicomWriter(kLittleEndianDicom).file(set);
 }
 
 // A slice file that a list names: it holds values and nothing else.
@@ -276,6 +296,15 @@ std::vector<WholeFile> volumes() {
          writeTarGz(in(f, "a.inv3"), {{"main.plist", invesaliusPlist()}, {"matrix.dat", data()}});
        }},
       dicom("DICOM slice", kLittleEndianDicom, 40),
+      {"DICOM frames",
+       "scan.dcm",
+       "",
+       false,
+       false,
+       ':',
+       {.length = true},
+       dicomFrames().size() - 120,
+       [](const std::string& f) { writeFile(in(f, "scan.dcm"), dicomFrames()); }},
       dicom("DICOM slice, big-endian", kBigEndianDicom, 40),
       dicom("DICOM slice, deflated", kDeflatedDicom, deflatedBytes()),
       packedDicomFile("DICOM slice, RLE", DicomPacking::kRle),
