@@ -64,7 +64,7 @@ TEST(SceneReport, SaysOfEachThingHowMuchAndWhatFor) {
         "| `servo` | the force, tick by tick |\n", "| 2 more | the Vulkan driver and libraries |\n",
         "they ran 12 times:\n\n| effect | what for |\n|---|---|\n| friction | the tool sticks and slips |\n",
         "| `kRun` | rows of a brick that one invocation computes |\n", "| all others | yes | | | 0 | the C and",
-        "2 shared libraries are loaded in all", "| itk | no | 18.2 | 4 MiB | 40 | volumes in DICOM",
+        "2 shared libraries are loaded in all", "| itk | no | 18.2 | 4 MiB | 40 | volumes in NRRD",
         "| openvdb | yes | 35.0 | 1 KiB | 9 |", "| cairo | no | | | | pictures; it cannot be loaded: it is gone |\n",
         "| lacks | filters (gaussian:1) | +20.0 | - | +1 MiB | -3 MiB | +1 | +4 | 0 | 0 | the scene names none: the "
         "volume itself is felt |\n",
@@ -131,7 +131,7 @@ TEST(SceneReport, IsThereForProgramsToTheLetter) {
   EXPECT_EQ(found["counted"]["libraries"].size(), 2U);
   EXPECT_EQ(found["counted"]["effect_runs"], 12);
   EXPECT_EQ(found["modules"][0], json::parse(R"({"name": "itk", "loaded": false, "ms": 18.25, "bytes": 4194304,
-    "libraries": 40, "failure": "", "why": "volumes in DICOM, NRRD and MetaImage"})"));
+    "libraries": 40, "failure": "", "why": "volumes in NRRD and MetaImage"})"));
   EXPECT_EQ(found["modules"][1]["loaded"], true);
   EXPECT_EQ(found["modules"][2]["failure"], "it is gone");
   EXPECT_EQ(found["features"][0], json::parse(R"({"name": "filters", "is_in": false,
