@@ -166,6 +166,27 @@ TEST(DicomIsWhole, WithSequencesOfEveryForm) {
   EXPECT_FALSE(isWhole({openSequence(8, 0x1140, openItem(inner + inner)), last}));  // its tags ascend, too
 }
 
+// Items of a given length that Palpate reads are looked into: what is in them ends in them, and their tags ascend.
+TEST(DicomIsWhole, WhereItemsThatAreReadHoldWholeElements) {
+  const std::string place = dicomElement(0x20, 0x32, "DS", "1\\2\\3");
+  const std::string later = dicomElement(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0");
+  const auto frames = [&](const std::string& content) {
+    const std::string file = fileOf({sequence(0x5200, 0x9230, item(sequence(0x20, 0x9113, item(content))))});
+    return readDicomDataSet(file);
+  };
+  const auto set = frames(place + later);
+  ASSERT_TRUE(set);
+  const DicomElement& groups = set->root.element(DicomTag::kPerFrameFunctionalGroupsSequence);
+  ASSERT_EQ(groups.items.size(), 1U);
+  const DicomItem* position = groups.items[0].item(DicomTag::kPlanePositionSequence);
+  ASSERT_NE(position, nullptr);
+  EXPECT_EQ(position->text(DicomTag::kImagePositionPatient), "1\\2\\3");
+  EXPECT_FALSE(position->has(DicomTag::kPixelSpacing));
+  EXPECT_FALSE(frames(later + place));
+  EXPECT_FALSE(frames(place.substr(0, place.size() - 2)));
+  EXPECT_FALSE(frames(place + "x"));
+}
+
 TEST(DicomIsWhole, WithSequencesNoDeeperThan32) {
   for (const bool open : {true, false}) {  // until a delimiter, or of a given length
     const auto nested = [open](int depth) {
