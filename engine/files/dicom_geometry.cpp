@@ -14,6 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr double kGapTolerance = 0.02;      // of the gap between slices [-]
+constexpr double kDrift = 0.5;              // of the gap, from where evenly spaced slices lie [-]
 constexpr double kLateralTolerance = 0.05;  // of the pixel spacing, from slice to slice [-]
 constexpr double kLateralDrift = 0.5;       // of the pixel spacing, from the first slice [-]
 
@@ -79,7 +80,16 @@ double checkGaps(const DicomSeries& series, const std::string& source) {
              "resample the series evenly");
     }
   }
-  return (series.back().along_mm - series.front().along_mm) / static_cast<double>(series.size() - 1);
+  const double gap = (series.back().along_mm - series.front().along_mm) / static_cast<double>(series.size() - 1);
+  for (std::size_t n = 1; n < series.size(); ++n) {  // gaps that differ by less than one sees add up
+    const double off = series[n].along_mm - series[0].along_mm - static_cast<double>(n) * gap;
+    if (std::abs(off) <= kDrift * gap) continue;
+    refuse(
+        source,
+        fmt::format("{} lies {:g} mm from where evenly spaced slices would have it", series[n].name(), std::abs(off)),
+        "resample the series evenly");
+  }
+  return gap;
 }
 
 // The sideways part of the way from one slice to another [mm].

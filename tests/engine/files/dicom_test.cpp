@@ -352,6 +352,21 @@ TEST_F(Dicom, TakesRoundedPositions) {
       "resample the series upright");
 }
 
+// Gaps of 2 mm, then of 2.04, which each pass. The mean is 2.02 mm, so the slice in the middle is off by 0.02 mm for
+// each slice before it: by less than half a gap, 1.01 mm, after 50, and by more after 51.
+TEST_F(Dicom, RefusesSlicesWhoseGapsGrow) {
+  for (const int half : {50, 51}) {
+    std::vector<double> z_mm = {0};
+    for (int n = 0; n < 2 * half; ++n) z_mm.push_back(z_mm.back() + (n < half ? 2 : 2.04));
+    writeSeries({}, z_mm);
+    if (half == 50) {
+      EXPECT_EQ(loadVolume(folder_.path()).size().z(), 101);
+    } else {
+      refuses("lies 1.02 mm from where evenly spaced slices would have it; resample the series evenly");
+    }
+  }
+}
+
 TEST_F(Dicom, RefusesTwoSlicesAtOnePlace) {
   writeSeries({}, {0, 2, 2, 4});
   refuses("lie at one place");
