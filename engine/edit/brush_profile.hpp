@@ -42,7 +42,16 @@ inline constexpr double kRampVoxels = 2;
 // Depth under such a surface at which the ramp ends [m], rising to `object` or falling to the background.
 [[nodiscard]] double rampDepth(const BrushProfile& profile, double object);
 
-// The text of a warning for a brush that is too fine for the voxels to show. Empty for any other command.
+// The share of a brush's volume by which an add or a remove without falloff falls short, in [0, 1]. The trilinear field
+// between voxels is above the distance d from the brush's segment, by h^2 / 12 times the second derivative of d on
+// average for each axis of spacing h. On a ball the second derivatives are 2 / 3r on average: the surface lies deeper
+// by the sum of h^2 / 18r. On a cylinder along the unit vector t they are (1 - t_axis^2) / 2r. Good to
+// 0.05 where the radius is no less than the largest spacing, to 0.1 at 0.7 of it; below, voxels show a brush by chance.
+[[nodiscard]] double brushShortfall(const EditCommand& command, const Lattice& lattice);
+
+// The text of a warning for a brush that is too fine for the voxels: one below half a voxel, or an add or a remove that
+// falls short by kToldShortfall. Empty for any other command.
+inline constexpr double kToldShortfall = 0.15;
 [[nodiscard]] std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice,
                                            const BrushProfile& profile);
 
