@@ -7,6 +7,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include <fmt/format.h>
+
 namespace palpate {
 namespace {
 
@@ -42,6 +44,26 @@ class Conversion {
     return std::is_same_v<T, double> ? floatOf(stored) : static_cast<float>(value);
   }
 
+  // Adds what is lost of the numbers from `first` on. x86's long double holds every 64-bit integer.
+  void count(std::size_t first, std::size_t many, RoundedNumbers& rounded) const {
+    if (scaled_ || sizeof(T) < 4 || std::is_same_v<T, float>) return;
+    std::uint64_t found = 0;
+    double most = 0;
+    for (std::size_t n = first; n < first + many; ++n) {
+      T value = 0;
+      std::memcpy(&value, raw_ + n * sizeof(T), sizeof(T));
+      const float kept = static_cast<float>(value);
+      if (!std::isfinite(kept)) continue;  // finite_values.hpp tells of these
+      const double change = static_cast<double>(std::abs(static_cast<long double>(value) - kept));
+      found += change != 0 ? 1 : 0;
+      most = std::max(most, change);
+    }
+    if (found == 0) return;
+    rounded.count += found;
+    for (double known = rounded.most; known < most && !rounded.most.compare_exchange_weak(known, most);) {
+    }
+  }
+
  private:
   const char* raw_;
   double slope_, intercept_;
@@ -57,8 +79,8 @@ std::vector<float> convert(std::span<const char> raw, double slope, double inter
 }
 
 template <class T>
-Volume::BrickSource bricks(const Conversion<T>& conversion, const Vec3i& size) {
-  return [conversion, size](const Vec3i& brick, float* values) {
+Volume::BrickSource bricks(const Conversion<T>& conversion, const Vec3i& size, RoundedNumbers* rounded) {
+  return [conversion, size, rounded](const Vec3i& brick, float* values) {
     const Vec3i first = brick * kBrickSize;
     const Vec3i last = size - Vec3i::Ones();
     const bool whole_rows = first.x() + kBrickSize <= size.x();
@@ -76,6 +98,9 @@ Volume::BrickSource bricks(const Conversion<T>& conversion, const Vec3i& size) {
           }
         }
         values += kBrickSize;
+        if (rounded == nullptr || first.y() + j > last.y() || first.z() + k > last.z()) continue;
+        const int wide = std::min(kBrickSize, size.x() - first.x());
+        conversion.count(row + static_cast<std::size_t>(first.x()), static_cast<std::size_t>(wide), *rounded);
       }
     }
     return false;
@@ -96,9 +121,16 @@ std::vector<float> toFloats(std::span<const char> raw, ValueType type, double sl
 }
 
 Volume::BrickSource rawBricks(std::span<const char> raw, ValueType type, const Vec3i& size, double slope,
-                              double intercept) {
-  return withType(
-      type, [&](auto number) { return bricks(Conversion<decltype(number)>(raw.data(), slope, intercept), size); });
+                              double intercept, RoundedNumbers* rounded) {
+  return withType(type, [&](auto number) {
+    return bricks(Conversion<decltype(number)>(raw.data(), slope, intercept), size, rounded);
+  });
+}
+
+std::string RoundedNumbers::words(ValueType type) const {
+  if (count == 0) return "";
+  return fmt::format("{} of its {} values are no 32-bit floats and were rounded, by {:.3g} at most", count.load(),
+                     nameOf(type), most.load());
 }
 
 void swapBytes(std::span<char> raw, ValueType type) {

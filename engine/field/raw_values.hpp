@@ -3,6 +3,7 @@
 // lattice that the file rounded into an exact one. For engine/field and engine/files. Any thread.
 #pragma once
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -57,10 +58,20 @@ auto withType(ValueType type, const Work& work) {
 [[nodiscard]] std::vector<float> toFloats(std::span<const char> raw, ValueType type, double slope = 1,
                                           double intercept = 0);
 
+// How many stored numbers a float cannot hold, and by how much the largest of them changed. Only numbers that are not
+// scaled are counted: with a slope or an intercept every density is a rounded one. Several threads may count at once.
+struct RoundedNumbers {
+  std::atomic<std::uint64_t> count = 0;
+  std::atomic<double> most = 0;  // [density]
+  // In words, for VolumeFacts::remark; empty: none was rounded.
+  [[nodiscard]] std::string words(ValueType type) const;
+};
+
 // The bricks of size.x * size.y * size.z such values, i fastest. `raw` must outlive the source. Voxels outside the
-// domain repeat the nearest one inside. Several threads may call the source at once.
+// domain repeat the nearest one inside. Several threads may call the source at once. `rounded`, if given, must outlive
+// it; to count takes some 1 ns a number of 32 bits or more, and nothing for others.
 [[nodiscard]] Volume::BrickSource rawBricks(std::span<const char> raw, ValueType type, const Vec3i& size,
-                                            double slope = 1, double intercept = 0);
+                                            double slope = 1, double intercept = 0, RoundedNumbers* rounded = nullptr);
 
 // Reverses the byte order of each value, in place.
 void swapBytes(std::span<char> raw, ValueType type);

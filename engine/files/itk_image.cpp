@@ -42,21 +42,22 @@ Lattice latticeOf(const ItkHeader& header, double metres_per_unit) {
 }
 
 Volume buildOf(const ItkRequest& request, std::span<const char> raw, ValueType type, const Vec3i& size,
-               const Lattice& lattice) {
-  Volume::BrickSource bricks = rawBricks(raw, type, size, request.slope, request.intercept);
+               const Lattice& lattice, RoundedNumbers* rounded) {
+  Volume::BrickSource bricks = rawBricks(raw, type, size, request.slope, request.intercept, rounded);
   return Volume::fromLayers(size, lattice, request.facts, [&](int) { return bricks; });
 }
 
-Volume readValues(const ItkRequest& request, ValueType type, const Vec3i& size, const Lattice& lattice) {
+Volume readValues(const ItkRequest& request, ValueType type, const Vec3i& size, const Lattice& lattice,
+                  RoundedNumbers* rounded) {
   const std::size_t bytes = static_cast<std::size_t>(size.cast<long long>().prod()) * byteSize(type);
   const StoredValues stored = checkedBySize(request.stored, static_cast<double>(bytes), request.facts.source);
   if (const auto block = rawBlockOf(stored)) {
     return Volume::fromLayers(size, lattice, request.facts,
-                              layersOf(*block, type, size, request.slope, request.intercept));
+                              layersOf(*block, type, size, request.slope, request.intercept, rounded));
   }
   LargeBuffer raw(bytes);
   readStored(stored, type, {raw.data(), raw.size()});
-  return buildOf(request, {raw.data(), raw.size()}, type, size, lattice);
+  return buildOf(request, {raw.data(), raw.size()}, type, size, lattice, rounded);
 }
 
 Volume read(ItkRequest& request) {
@@ -70,7 +71,10 @@ Volume read(ItkRequest& request) {
   const Lattice claimed = request.lattice ? *request.lattice : latticeOf(header, request.metres_per_unit);
   const Lattice lattice = orthonormalised(claimed, source);
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
-  return readValues(request, type, size, lattice);
+  RoundedNumbers rounded;
+  Volume volume = readValues(request, type, size, lattice, &rounded);
+  if (rounded.count > 0) volume.remark(rounded.words(type));
+  return volume;
 }
 
 }  // namespace

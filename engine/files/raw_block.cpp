@@ -40,20 +40,23 @@ class File {
 };
 
 struct Block {
-  Block(const RawBlock& raw, ValueType type_in, const Vec3i& size_in, double slope_in, double intercept_in)
+  Block(const RawBlock& raw, ValueType type_in, const Vec3i& size_in, double slope_in, double intercept_in,
+        RoundedNumbers* rounded_in)
       : file(raw.path),
         offset(raw.offset),
         swapped(raw.swapped),
         type(type_in),
         size(size_in),
         slope(slope_in),
-        intercept(intercept_in) {}
+        intercept(intercept_in),
+        rounded(rounded_in) {}
   File file;
   std::uint64_t offset;
   bool swapped;
   ValueType type;
   Vec3i size;
   double slope, intercept;
+  RoundedNumbers* rounded;
 };
 
 // The bricks of one layer. A row of bricks is read as a small volume of its own.
@@ -81,7 +84,7 @@ class Layer {
                         std::span(raw_).subspan(static_cast<std::size_t>(k) * slice_bytes, slice_bytes));
     }
     if (block_->swapped) swapBytes(raw_, block_->type);
-    bricks_ = rawBricks(raw_, block_->type, size, block_->slope, block_->intercept);
+    bricks_ = rawBricks(raw_, block_->type, size, block_->slope, block_->intercept, block_->rounded);
     row_ = bj;
   }
 
@@ -95,8 +98,8 @@ class Layer {
 }  // namespace
 
 std::function<Volume::BrickSource(int bk)> layersOf(const RawBlock& block, ValueType type, const Vec3i& size,
-                                                    double slope, double intercept) {
-  const auto shared = std::make_shared<const Block>(block, type, size, slope, intercept);
+                                                    double slope, double intercept, RoundedNumbers* rounded) {
+  const auto shared = std::make_shared<const Block>(block, type, size, slope, intercept, rounded);
   return [shared](int bk) -> Volume::BrickSource {
     // A std::function may be copied, but the row that a layer holds must not be copied with it.
     const auto layer = std::make_shared<Layer>(shared, bk);

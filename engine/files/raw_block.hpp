@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "engine/field/raw_values.hpp"
 #include "engine/field/value_type.hpp"
 #include "engine/field/volume.hpp"
 
@@ -21,9 +22,10 @@ struct RawBlock {
 };
 
 // The layers of a volume of `size` such values, for buildGridByLayers. Each value becomes float(value * slope +
-// intercept), as in rawBricks. Memory: 64 rows of voxels for each thread. Throws std::system_error if the file cannot
-// be opened; the layers throw it if the file cannot be read or ends early.
+// intercept), as in rawBricks, which also says what `rounded` is. Memory: 64 rows of voxels for each thread. Throws
+// std::system_error if the file cannot be opened; the layers throw it if the file cannot be read or ends early.
 [[nodiscard]] std::function<Volume::BrickSource(int bk)> layersOf(const RawBlock& block, ValueType type,
-                                                                  const Vec3i& size, double slope, double intercept);
+                                                                  const Vec3i& size, double slope, double intercept,
+                                                                  RoundedNumbers* rounded = nullptr);
 
 }  // namespace palpate

@@ -44,6 +44,30 @@ TEST_F(Nrrd, ReadsBigEndianGzipAndText) {
   expectVolume(load(nrrdHeader("int16", "ascii") + "\n" + text + "\n"), plainLattice(), values);
 }
 
+// 2^24 + n has a float for even n. For odd n the two nearest floats are 1 away. Of a double that is n + 1/3, a float
+// has 24 bits: with n from 2^20 on, its step is 1/8, so 1/3 becomes 3/8, by 1/24. Whether the numbers lie bare in the
+// file or are packed, they are counted once each, also in bricks that are not whole.
+TEST_F(Nrrd, TellsOfNumbersThatAFloatCannotHold) {
+  std::vector<double> integers, thirds;
+  for (std::size_t n = 0; n < rampValues(0).size(); ++n) {
+    integers.push_back(16777216.0 + static_cast<double>(n));
+    thirds.push_back(1048576.0 + static_cast<double>(n) + 1.0 / 3);
+  }
+  const std::string odd = std::to_string(integers.size() / 2), all = std::to_string(thirds.size());
+  const std::string words = odd + " of its int32 values are no 32-bit floats and were rounded, by 1 at most";
+  EXPECT_EQ(load(nrrdHeader("int", "raw") + "\n" + bytesOf<std::int32_t>(integers)).facts().remark, words);
+  writeGzip(folder_.file("data.gz"), bytesOf<std::int32_t>(integers));
+  EXPECT_EQ(load(nrrdHeader("int", "gzip") + "\n" + readFile(folder_.file("data.gz"))).facts().remark, words);
+  EXPECT_EQ(load(nrrdHeader("double", "raw") + "\n" + bytesOf<double>(thirds)).facts().remark,
+            all + " of its float64 values are no 32-bit floats and were rounded, by 0.0417 at most");
+  // 2^63 - 1 is one less than its float; a double could not tell.
+  std::vector<double> largest(integers.size(), 0);
+  std::string bytes = bytesOf<std::int64_t>(largest);
+  bytes.replace(0, 8, "\xff\xff\xff\xff\xff\xff\xff\x7f", 8);
+  EXPECT_EQ(load(nrrdHeader("int64", "raw") + "\n" + bytes).facts().remark,
+            "1 of its int64 values are no 32-bit floats and were rounded, by 1 at most");
+}
+
 TEST_F(Nrrd, ReadsDetachedData) {
   const std::vector<double> values = rampValues(-30);
   path_ = folder_.file("a.nhdr");
