@@ -17,11 +17,14 @@ std::string socketOf(const Scene& scene) {
 std::filesystem::path usualServiceJournal(const std::string& socket) {
   const std::filesystem::path state = stateFolder();
   if (state.empty()) return {};
-  std::string name = std::filesystem::absolute(socket).lexically_normal().string();
+  const std::string path = std::filesystem::absolute(socket).lexically_normal().string();
+  std::string name = path;
   std::ranges::replace(name, '/', '_');
-  // A folder's name has 255 bytes at most. The end tells services apart.
+  // A folder's name has 255 bytes at most. Of a path that is longer the end is kept; where that, or a '_' of its own,
+  // might make two paths one name, a checksum tells them apart.
   constexpr std::size_t kLongest = 200;
-  if (name.size() > kLongest) name = formatted("{}~{}", name.substr(name.size() - kLongest), crc32c(name));
+  if (name.size() > kLongest) name.erase(0, name.size() - kLongest);
+  if (name.size() < path.size() || path.find('_') != std::string::npos) name += formatted("~{}", crc32c(path));
   return state / "services" / name;
 }
 

@@ -157,7 +157,18 @@ class Reading {
     const Frame frame = frameAt(bytes_.substr(at));
     const std::size_t zeros = bytes_.size() - (bytes_.find_last_not_of('\0') + 1);  // npos + 1 is 0
     const bool ends_in_zeros = zeros >= kFewestZeros && bytes_.size() - zeros < at + frame.bytes;
-    return static_cast<RecordKind>(frame.kind) != RecordKind::kBricks && (frame.bytes == 0 || ends_in_zeros);
+    if (static_cast<RecordKind>(frame.kind) == RecordKind::kBricks) return false;
+    return ends_in_zeros || (frame.bytes == 0 && !isWholeButForItsLength(at));
+  }
+
+  // Whether all up to the file's end is one sound record whose length alone is damaged.
+  [[nodiscard]] bool isWholeButForItsLength(std::size_t at) const {
+    const std::size_t rest = bytes_.size() - at;
+    if (rest < kRecordFrame || rest - kRecordFrame > kLongestRecord) return false;
+    ByteWriter mended;
+    mended.add(static_cast<std::uint32_t>(rest - kRecordFrame));
+    mended.addRaw(bytes_.substr(at + sizeof(std::uint32_t)));
+    return frameAt(mended.bytes()).sound;
   }
 
   [[nodiscard]] std::size_t behindDamage(std::size_t at, const Frame& frame, std::uint64_t number) const {

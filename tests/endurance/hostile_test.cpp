@@ -3,6 +3,7 @@
 // force in the hand stays what it is, and it keeps nothing of those who come and go.
 //
 // PALPATE_HOSTILE: how many messages (6000; `./dev hostile` sends 1,000,000). PALPATE_HOSTILE_SEED: of all.
+// PALPATE_CONNECTIONS: how many that say little or nothing (2000; `./dev hostile` makes a tenth of the messages).
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 
 #include "apps/serve/service_client.hpp"
 #include "endurance_figures.hpp"
@@ -30,15 +32,17 @@ namespace hostile_test {
 
 // A contact at rest moves on by less and less, as planes are found anew.
 constexpr double kCreep_N = 1e-6;
+// Of what 300 connections and their messages have needed at once, an allocator keeps some.
+constexpr double kMostGrowth = 0.2;
 
 using Figures = std::map<std::string, double>;
 
 class Hostile : public ServiceTest {
  protected:
   // A hand that is pressed 1 mm into a sphere, and stays there.
-  void begin() {
+  void begin(const Words& more = {}) {
     write("press.csv", "time_s,x_m,y_m,z_m\n0,0,0,0.014\n0.3,0,0,0.0102\n");
-    serve({"phantom:sphere?size=32", "--path", "press.csv"});
+    serve(Words{"phantom:sphere?size=32", "--path", "press.csv"} + more);
     join();
     ASSERT_TRUE(await([](const nlohmann::json& now) { return now["force_N"] > 0.3; })) << contentsOf(file("serve.log"));
     honest_.emplace(socket());
@@ -111,6 +115,15 @@ int inProcessOfItsOwn(const std::function<int()>& work) {
   int status = 0;
   waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+Descriptor connectedStream(const std::string& path) {
+  Descriptor stream(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  path.copy(address.sun_path, sizeof address.sun_path - 1);
+  static_cast<void>(connect(stream.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address));
+  return stream;
 }
 
 void Hostile::sendAll(int messages, HostileMessages& from) {
@@ -325,6 +338,80 @@ TEST_F(Hostile, MessagesHaveNoEffect) {
       fmt::format("{} messages over {} connections, and {} bad servos, in {:.0f} s; the engine's own memory "
                   "grew by {:.2f} %.\n",
                   sent_, connections_, servos, seconds, 100 * grown));
+}
+
+// Dashboards that leak what they open, at both doors: more than may be there, all the time. The hand, its next servo
+// and the operator get in, and nothing of them stays.
+TEST_F(Hostile, IdleAndHalfOpenConnectionsKeepNobodyOut) {
+  const int connections = static_cast<int>(numberOf("PALPATE_CONNECTIONS", 2000));
+  constexpr std::size_t kHeld = 300;
+  begin({"--metrics-socket", file("m.sock").string()});
+  if (HasFatalFailure()) return;
+  const auto started = std::chrono::steady_clock::now();
+  const double force_before_N = force_N_;
+  ASSERT_TRUE(awaitDescriptors(64));
+  const std::size_t descriptors = openDescriptorsOf(engine.id()), threads = threadsOf(engine.id());
+  const double memory = ownMemory(engine.id());
+  const wire::AskT question = asking(wire::Verb::Status);
+  std::vector<Channel> held(kHeld);
+  std::vector<Descriptor> half(kHeld);
+  int operators = 0;
+  for (int i = 0; i < connections; ++i) {
+    const std::size_t place = static_cast<std::size_t>(i) % kHeld;
+    if (i % 6 == 5) {  // half a question of a browser, or none
+      half[place] = connectedStream(file("m.sock").string());
+      if (i % 12 == 5) static_cast<void>(::send(half[place].get(), "GET /met", 8, MSG_NOSIGNAL | MSG_DONTWAIT));
+    } else {
+      held[place] = connectTo(socket());
+      if (i % 6 < 3) static_cast<void>(held[place].send(encoded(question), 100));
+      Packet answer;
+      if (i % 6 == 0) static_cast<void>(held[place].receive(answer, 100));
+      if (i % 6 == 4) shutdown(held[place].descriptor(), SHUT_WR);
+    }
+    if (i % std::max(1, connections / 20) != 0) continue;
+    ++operators;
+    ASSERT_TRUE(status().is_object()) << "the operator was kept out after " << i;
+    const double tick = figures()["tick"];
+    ASSERT_TRUE(await([&](const nlohmann::json& now) { return now["tick"] > tick; }));
+  }
+  // The next servo, while as many as before sit there.
+  EXPECT_EQ(WEXITSTATUS(servo.end(SIGTERM)), 0);
+  ASSERT_TRUE(await([](const nlohmann::json& now) { return now["servo"] == 0; }));
+  join();
+  const bool is_felt_again =
+      await([&](const nlohmann::json& now) { return std::abs(double(now["force_N"]) - force_before_N) < 1e-6; });
+  EXPECT_TRUE(is_felt_again) << contentsOf(file("serve.log"));
+  expectSuccess(ctl({"edit", "add:radius=2mm:at=-12,-12,-12mm"}));  // once those that are idle have been let go
+  expectSuccess(ctl({"undo"}));
+  held.clear();
+  half.clear();
+  const bool are_closed = awaitDescriptors(descriptors);
+  EXPECT_TRUE(are_closed) << openDescriptorsOf(engine.id()) << " after " << descriptors;
+  EXPECT_EQ(threadsOf(engine.id()), threads);
+  const double grown = ownMemory(engine.id()) / memory - 1;
+  expectSuccess(ctl({"stop"}));
+
+  BenchResult result = beginEndurance("service-connections", run({"--version"}).out,
+                                      fmt::format("./dev hostile {}", 10 * static_cast<std::int64_t>(connections)));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  result.rows.push_back({{"connections", connections},
+                         {"held_at_once", static_cast<std::int64_t>(kHeld)},
+                         {"operators_let_in", operators},
+                         {"seconds", seconds},
+                         {"memory_grown", grown}});
+  result.targets = {{"servos that were kept out", is_felt_again ? 0.0 : 1.0, 0},
+                    {"growth of the engine's own memory", std::max(0.0, grown), kMostGrowth},
+                    {"descriptors left open", are_closed ? 0.0 : 1.0, 0}};
+  for (const BenchTarget& target : result.targets) EXPECT_TRUE(target.holds()) << target.name << ": " << target.value;
+  writeEndurance(
+      result, "What idle and half-open connections do to a service",
+      "A servo presses a simulated hand on a sphere, while connections of the same user come and stay, more "
+      "at once than a service takes in: they say nothing, ask once and stay, do not read, close the way "
+      "back, or send half a question for the metrics. In between an operator asks for the status, and at "
+      "last the next servo, an edit and a stop come through.",
+      fmt::format("{} connections, {} held at once, in {:.0f} s; {} operators of {} were let in; the engine's "
+                  "own memory grew by {:.2f} %.\n",
+                  connections, kHeld, seconds, operators, operators, 100 * grown));
 }
 
 // It says all that a servo says until its loop is made, and then nothing: others are served, and it is let go.

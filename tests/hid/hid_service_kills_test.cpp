@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Engine, servo and clients of a service die or stand still at random moments while an emulated arm presses on the
-// volume, again and again. Each time all that live must find each other again; in the end every edit that was answered
-// must be in the volume; and the arm must never have taken a force beyond the limit or the slew.
+// volume, again and again, and its journal is damaged or removed in between. Each time all that live must find each
+// other again; in the end every edit that was answered must be in the volume, but for those that the service itself has
+// said are lost by damage; and the arm must never have taken a force beyond the limit or the slew.
 //
 // PALPATE_SERVICE_KILLS: how often (6; `./dev kills` takes 100). PALPATE_KILLS_SEED: of the moments.
 // PALPATE_KILLS_RESULTS: the folder that gets what was counted.
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <map>
 #include <random>
 
@@ -16,6 +18,7 @@
 #include "emulated_program.hpp"
 #include "engine/files/volume_file.hpp"
 #include "engine/gpu/gpu.hpp"
+#include "engine/journal/recovery.hpp"
 #include "service_processes.hpp"
 
 namespace palpate {
@@ -33,8 +36,11 @@ constexpr const char* kIntroduction =
     "are killed (`kill -9`) or stopped for up to 0.7 s (SIGSTOP), or the engine's Vulkan device is lost, at random "
     "moments, while the arm presses on a sphere and clients edit. After each, the time is measured from the moment at "
     "which what died was started again (or the device was told to fail) until the engine answers and the servo reads "
-    "its windows. In the end every edit that was answered must be in the volume; the forces are those that the arms "
-    "took, by their own account. After a stall of the servo a force must begin at nothing.";
+    "its windows. In the end every edit that was answered must be in the volume. Between a kill and the next start a "
+    "bit of the journal or of a checkpoint is turned: then no more edits may be missing than the service says it has "
+    "lost, and the rest is looked for in the end; and its journal is removed while it works, which must lose nothing. "
+    "The forces are those that the arms took, by their own account. "
+    "After a stall of the servo a force must begin at nothing.";
 
 std::string vulkanDevice() {
   const std::vector<gpu::GpuInfo> all = gpu::listGpus();
@@ -120,8 +126,11 @@ class HidServiceKills : public EmulatedHid {
   // A place of its own in free space, where nothing was.
   Vec3 nextPlace() {
     const int n = places_++;
-    constexpr int kAlong = 19;  // 3 mm apart, along the edge of the volume, layer by layer from below
-    return Vec3(-28 + 3 * (n % kAlong), -28 + 3 * (n / kAlong % kAlong), -29 + 3 * (n / (kAlong * kAlong) % 2)) * 1e-3;
+    constexpr int kAlong = 19, kLayer = kAlong * kAlong;  // 3 mm apart, three layers below the sphere and three above
+    EXPECT_LT(n, 6 * kLayer) << "there is no place left";
+    const int layer = n / kLayer;
+    return Vec3(-28 + 3 * (n % kAlong), -28 + 3 * (n / kAlong % kAlong), layer < 3 ? -29 + 3 * layer : 14 + 3 * layer) *
+           1e-3;
   }
   static std::string editAt(const Vec3& place_W) {
     return fmt::format("add:radius=1.2mm:at={:g},{:g},{:g}mm", 1e3 * place_W.x(), 1e3 * place_W.y(), 1e3 * place_W.z());
@@ -136,7 +145,7 @@ class HidServiceKills : public EmulatedHid {
     RunningProgram client(PALPATE_PROGRAM, {"ctl", "edit", editAt(place_W)}, folder(), "client.log");  // meanwhile
     pause(0, 40);
     Clock::time_point since;
-    switch (pick(0, 6)) {
+    switch (pick(0, 9)) {
       case 0:
       case 1:
         engine_.end(SIGKILL);
@@ -167,10 +176,66 @@ class HidServiceKills : public EmulatedHid {
         EXPECT_FALSE(exists("fault")) << "the device was not lost";
         EXPECT_FALSE(engine_.hasEnded()) << contentsOf(file("serve.log"));
         return {"Vulkan device lost", since};
+      case 6:
+      case 7:
+        engine_.end(SIGKILL);
+        damaged_ = damage();
+        serve();
+        return {"engine killed, files damaged"};
+      case 8:
+        std::filesystem::remove_all(folderOfJournal());
+        return {"journal removed"};
       default:
         client.end(SIGKILL);
         return {"client killed"};
     }
+  }
+
+  [[nodiscard]] std::filesystem::path folderOfJournal() const {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(file("state")))
+      if (entry.path().filename() == "in-use") return entry.path().parent_path();
+    return {};
+  }
+  // A bit in one of the files that the next engine begins with. What was damaged.
+  std::string damage() {
+    const std::filesystem::path folder = folderOfJournal(), journal = journalFile(countingJournal(folder));
+    const std::filesystem::path checkpoint = checkpointFile(folder, static_cast<std::size_t>(pick(0, 1)));
+    const bool is_checkpoint = pick(0, 3) == 0 && std::filesystem::exists(checkpoint);
+    const std::filesystem::path hit = is_checkpoint ? checkpoint : journal;
+    std::string bytes = contentsOf(hit);
+    // Behind the header: a journal that does not say of which volume it is is refused.
+    const std::size_t first = is_checkpoint ? 0 : std::min(bytes.size() - 1, kHeader_bytes);
+    const std::size_t at = std::uniform_int_distribution<std::size_t>(first, bytes.size() - 1)(random_);
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << pick(0, 7)));
+    std::ofstream(hit, std::ios::binary) << bytes;
+    return is_checkpoint ? "checkpoint" : "journal";
+  }
+  // After a start from damaged files, or without its journal: what is missing must have been told, and the rest is
+  // there.
+  void expectToldOfLosses() {
+    for (int look = 0; look < 1000 && status()["journal_failed"] != 0; ++look)
+      std::this_thread::sleep_for(milliseconds(20));
+    const nlohmann::json now = status();
+    ASSERT_EQ(now["journal_failed"], 0) << contentsOf(file("serve.log"));
+    EXPECT_TRUE(std::filesystem::exists(journalFile(folderOfJournal())));
+    const std::string what = std::exchange(damaged_, "");
+    if (what.empty()) return;
+    const std::vector<Vec3> missing = missingIn("damaged.vdb");
+    const std::size_t told = now["lost_records"];
+    EXPECT_LE(missing.size(), what == "journal" ? told : 0) << what << "\n" << contentsOf(file("serve.log"));
+    told_of_ += told;
+    told_missing_ += missing.size();
+    std::erase_if(answered_, [&](const Vec3& place_W) { return std::ranges::find(missing, place_W) != missing.end(); });
+  }
+  // Edits that were answered and are not in the volume, which is written to this file.
+  [[nodiscard]] std::vector<Vec3> missingIn(const std::string& name) const {
+    expectSuccess(run({"ctl", "save", name}));
+    const Volume volume = loadVolume(file(name).string());
+    EXPECT_LE(volume.density(Vec3(28, 28, 0) * 1e-3).value_or(1), 0);  // else the places would say nothing
+    std::vector<Vec3> missing;
+    for (const Vec3& place_W : answered_)
+      if (volume.density(place_W).value_or(-1) <= 0) missing.push_back(place_W);
+    return missing;
   }
 
   // What an arm took, as it says itself once its program has ended.
@@ -200,6 +265,9 @@ class HidServiceKills : public EmulatedHid {
   RunningProgram engine_, arm_;
   int servos_ = 0, places_ = 0;
   std::vector<Vec3> answered_;
+  static constexpr std::size_t kHeader_bytes = 300;  // of a phantom's journal, with room
+  std::string damaged_;                              // "journal" or "checkpoint", before the last start; "": nothing
+  std::size_t told_of_ = 0, told_missing_ = 0;       // records that are lost, as the service said, and edits
   double largest_N_ = 0, steepest_N_ = 0;
 };
 
@@ -230,6 +298,8 @@ void HidServiceKills::writeFigures(const std::vector<Event>& events, std::size_t
   result.rows.push_back({{"part", "all"},
                          {"events", static_cast<std::int64_t>(events.size())},
                          {"answered_edits", static_cast<std::int64_t>(answered_.size())},
+                         {"records_lost_by_damage_and_told", static_cast<std::int64_t>(told_of_)},
+                         {"answered_edits_lost_by_damage_and_told", static_cast<std::int64_t>(told_missing_)},
                          {"servos", servos_}});
   result.targets = {{"answered edits that are missing", static_cast<double>(missing), 0},
                     {"largest force that an arm took [N]", largest_N_, kForceLimit_N + kRounding_N},
@@ -317,15 +387,12 @@ TEST_F(HidServiceKills, NothingAnsweredIsLostAndNoForceIsUnsafe) {
     ASSERT_TRUE(back_s) << event.what << "\n" << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
     event.back_s = *back_s;
     events.push_back(event);
+    ASSERT_NO_FATAL_FAILURE(expectToldOfLosses());
   }
   edit();
   ASSERT_FALSE(answered_.empty());
-  expectSuccess(run({"ctl", "save", "end.vdb"}));
-  const Volume volume = loadVolume(file("end.vdb").string());
-  std::size_t missing = 0;
-  for (const Vec3& place_W : answered_) missing += volume.density(place_W).value_or(-1) > 0 ? 0U : 1U;
+  const std::size_t missing = missingIn("end.vdb").size();
   EXPECT_EQ(missing, 0U) << "of " << answered_.size();
-  EXPECT_LE(volume.density(Vec3(28, 28, 28) * 1e-3).value_or(1), 0);  // else the places would say nothing
   signalServo(SIGTERM);
   for (int look = 0; look < 500 && !arm_.hasEnded(); ++look) std::this_thread::sleep_for(milliseconds(10));
   expectSafeForces();

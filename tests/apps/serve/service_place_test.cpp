@@ -61,6 +61,9 @@ TEST_F(ServicePlace, KeepsAJournalForEachSocket) {
   EXPECT_EQ(usualServiceJournal("/run/a.sock"), "/state/palpate/services/_run_a.sock");
   EXPECT_EQ(usualServiceJournal("/run/./x/../a.sock"), usualServiceJournal("/run/a.sock"));
   EXPECT_NE(usualServiceJournal("/run/b.sock"), usualServiceJournal("/run/a.sock"));
+  EXPECT_NE(usualServiceJournal("/a/b_c"), usualServiceJournal("/a_b/c"));
+  EXPECT_NE(usualServiceJournal("/a_b_c"), usualServiceJournal("/a/b/c"));
+  EXPECT_EQ(usualServiceJournal("/a/b/c"), "/state/palpate/services/_a_b_c");
   unsetenv("XDG_STATE_HOME");
   setenv("HOME", "/home/me", 1);
   EXPECT_EQ(usualServiceJournal("/a"), "/home/me/.local/state/palpate/services/_a");
