@@ -246,10 +246,17 @@ void RigEdits::listen() {
     for (const std::string& failure : saver->takeFailures()) tell(failure, Again::kTell);
   }
   const JournalWriter* journal = session_.journal();
-  if (journal == nullptr || journal->failed() == journal_failed_) return;
-  journal_failed_ = !journal_failed_;
-  if (!journal_failed_) return tell_("the journal is kept again, and holds every edit made until now");
-  tell(journal->failure(), Again::kTell);
+  if (journal == nullptr) return;
+  if (journal->timesMended() != journal_mended_) {
+    journal_mended_ = journal->timesMended();
+    journal_failed_ = false;
+    tell("the journal is kept again, and holds every edit made until now", Again::kTell);
+  }
+  if (journal_failed_ || !journal->failed()) return;
+  const std::string failure = journal->failure();
+  if (failure.empty()) return;  // it has just begun anew
+  journal_failed_ = true;
+  tell(failure, Again::kTell);
 }
 
 std::vector<std::string> RigEdits::troubles() const {

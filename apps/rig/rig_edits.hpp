@@ -130,8 +130,9 @@ class RigEdits {
   std::optional<std::int64_t> away_since_ns_;  // the first look that saw it away from the surface
   std::deque<ScheduledBrush> scheduled_;
   std::vector<Trouble> troubles_;
-  bool journal_failed_ = false;
-  mutable std::mutex mutex_;  // guards what follows
+  bool journal_failed_ = false;       // and that was told
+  std::uint64_t journal_mended_ = 0;  // JournalWriter::timesMended(), as it was told
+  mutable std::mutex mutex_;          // guards what follows
   std::deque<Request> waiting_;
   bool has_ended_ = false;
   State state_;

@@ -22,9 +22,9 @@ namespace {
 
 constexpr const char* kLock = "lock";
 
-// The lock of a folder, if nobody has it; -1: somebody has, or it cannot be opened.
-int takeLock(const std::filesystem::path& folder, int flags) {
-  const int file = open((folder / kLock).c_str(), flags | O_RDWR | O_CLOEXEC, 0600);
+// The lock of a file, if nobody has it; -1: somebody has, or it cannot be opened.
+int takeLock(const std::filesystem::path& name, int flags) {
+  const int file = open(name.c_str(), flags | O_RDWR | O_CLOEXEC | O_NONBLOCK, 0600);
   if (file < 0) return -1;
   if (flock(file, LOCK_EX | LOCK_NB) == 0) return file;
   close(file);
@@ -52,7 +52,7 @@ SessionFolder::SessionFolder(const std::filesystem::path& root) {
     if (mkdir(folder_.c_str(), 0700) == 0) break;
     if (errno != EEXIST) failed.assign(errno, std::generic_category());
   }
-  if (!failed) lock_ = takeLock(folder_, O_CREAT);
+  if (!failed) lock_ = takeLock(folder_ / kLock, O_CREAT);
   if (failed || lock_ < 0) {
     throw Error(Error::Code::kIo, root.string(),
                 fmt::format("no folder for the journal can be made there ({})",
@@ -70,11 +70,13 @@ std::vector<LeftSession> leftSessions(const std::filesystem::path& root) {
   std::vector<LeftSession> left;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(root, ignored)) {
-    const int lock = takeLock(entry.path(), 0);
+    // A folder that was removed and made again by its journal has no lock; but who writes a journal has that one's.
+    const bool has_lock = std::filesystem::exists(entry.path() / kLock, ignored);
+    const int lock = takeLock(has_lock ? entry.path() / kLock : journalFile(entry.path()), 0);
     if (lock < 0) continue;
     try {
       const Journal journal = readJournal(entry.path());
-      const std::size_t edits = lastingEdits(journal).size();
+      const std::size_t edits = (journal.base ? journal.base->mark.edits : 0) + lastingEdits(journal).size();
       if (edits > 0 || journal.damage) {
         left.push_back(
             {entry.path(), journal.header.volume.source, edits, journal.damage ? describeDamage(*journal.damage) : ""});

@@ -11,13 +11,14 @@ void DiskAnswers::add(const JournalWriter& journal, Done done) {
 }
 
 void DiskAnswers::settle(const JournalWriter& journal) {
-  const bool failed = journal.failed();  // first: what is acknowledged below was so before
+  if (made_.empty()) return;
+  const std::string failure = journal.failure();  // first: what is acknowledged below was so before
   for (; !made_.empty(); made_.pop_front()) {
     if (made_.front().record <= journal.acknowledged()) {
       made_.front().done({});
-    } else if (failed) {
+    } else if (!failure.empty()) {
       made_.front().done(Error(Error::Code::kIo, "the journal",
-                               "the edit was made, but it is not on the disk: " + journal.failure(),
+                               "the edit was made, but it is not on the disk: " + failure,
                                "save the volume with 'palpate ctl save'"));
     } else {
       break;

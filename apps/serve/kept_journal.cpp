@@ -69,8 +69,9 @@ KeptJournal::KeptJournal(const fs::path& folder) : folder_(folder) {
   }
   if (!holdsJournal(earlier) && holdsJournal(folder_)) {
     // First the mark: it would say that the journal which is put aside is not needed. But not before the disk has
-    // forgotten the one that the mark is about, which would count again.
+    // forgotten the one that the mark is about, with its folder: it would count again.
     if (fs::exists(earlier, ignored)) flush(earlier);
+    flush(folder_);
     drop(holdsAllMark(folder_));
     flush(folder_);
     if (const int failure = makeFolder(earlier, Rights::kPrivate); failure != 0)

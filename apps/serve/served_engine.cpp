@@ -116,7 +116,8 @@ void ServedEngine::takeOver() {
 void ServedEngine::lookAfterJournal(std::int64_t now_ns) {
   const JournalWriter* const journal = live_->session().journal();
   if (journal == nullptr) return;
-  if (journal->failed()) journal_counts_ = false;
+  if (journal->timesMended() != journal_mended_) journal_counts_ = false;  // its folder may have been made again
+  journal_mended_ = journal->timesMended();
   if (journal->failed() || journal_counts_ || now_ns < next_take_over_ns_) return;
   constexpr std::int64_t kAgain_ns = 1'000'000'000;
   next_take_over_ns_ = now_ns + kAgain_ns;

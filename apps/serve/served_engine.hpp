@@ -64,7 +64,8 @@ class ServedEngine {
   const Tell tell_;
   std::optional<KeptJournal> journal_;  // held as long as the session writes to it
   std::optional<LiveVolume> live_;
-  bool journal_counts_ = false;  // and holds what the earlier one had
+  bool journal_counts_ = false;       // and holds what the earlier one had
+  std::uint64_t journal_mended_ = 0;  // JournalWriter::timesMended(), as of the last look
   std::int64_t next_take_over_ns_ = 0;
   std::string told_;  // why it does not
   std::string filter_;

@@ -131,12 +131,18 @@ class Reading {
     JournalDamage damage{at, bytes_.size() - at, 0, reason};
     if (at < bytes_.size()) damage.is_torn_end = isTornEnd(at);
     damage.last_sequence = last_sequence;
+    bool has_sound_ones = true;  // behind this place, as far as is known
     while (at < bytes_.size()) {
       const Frame frame = frameAt(bytes_.substr(at));
       ++damage.records;
       ++damage.last_sequence;
+      if (damage.is_torn_end && frame.bytes > 0) break;  // zeros up to the end
+      if (!frame.sound && has_sound_ones) {
+        at = behindDamage(at, frame, damage.last_sequence, has_sound_ones);
+        continue;
+      }
       if (!frame.sound) {
-        at = behindDamage(at, frame, damage.last_sequence);
+        at = frame.bytes > 0 ? at + frame.bytes : bytes_.size();
         continue;
       }
       damage.is_torn_end = false;
@@ -171,14 +177,17 @@ class Reading {
     return frameAt(mended.bytes()).sound;
   }
 
-  [[nodiscard]] std::size_t behindDamage(std::size_t at, const Frame& frame, std::uint64_t number) const {
+  // Where the next record begins. A search that finds none is the last.
+  [[nodiscard]] std::size_t behindDamage(std::size_t at, const Frame& frame, std::uint64_t number,
+                                         bool& has_sound_ones) const {
     const std::size_t next = at + frame.bytes;
     if (frame.bytes > 0 && (next == bytes_.size() || frameAt(bytes_.substr(next)).sound)) return next;
     const std::uint64_t most = number + (bytes_.size() - at) / kRecordFrame;
     for (std::size_t place = at + 1; place + kRecordFrame <= bytes_.size(); ++place) {
       if (isNumbered(bytes_.substr(place), number, most) && frameAt(bytes_.substr(place)).sound) return place;
     }
-    return frame.bytes > 0 ? next : bytes_.size();
+    has_sound_ones = false;
+    return frame.bytes > 0 && !isWholeButForItsLength(at) ? next : bytes_.size();
   }
 
   // Whether a head there has a number in this range, which saves most checksums.

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "base/durable_io.hpp"
@@ -36,6 +38,13 @@ std::uint64_t recordsFor(std::size_t bricks) {
   return std::max<std::uint64_t>(1, (bricks + kBricksInARecord - 1) / kBricksInARecord);
 }
 
+// Others on this disk need some room, too.
+bool hasRoom(int descriptor, std::size_t bytes) {
+  constexpr std::uint64_t kLeft_bytes = 16'384;
+  struct statvfs room {};
+  return fstatvfs(descriptor, &room) != 0 || room.f_bavail * room.f_frsize >= bytes + kLeft_bytes;
+}
+
 // Writes them as so many records, the last of which has the number `last`, and counts their bytes. A failure: as an
 // errno value.
 int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint64_t records, std::uint64_t last,
@@ -49,6 +58,7 @@ int writeBeginning(int descriptor, const JournalBeginning& beginning, std::uint6
     if (content.size() > kLongestRecord) return EFBIG;
     const std::string record = recordBytes(RecordKind::kBricks, number, content);
     bytes += record.size();
+    if (!hasRoom(descriptor, record.size())) return ENOSPC;
     if (const int failed = writeAll(descriptor, record); failed != 0) return failed;
   }
   return 0;
@@ -60,7 +70,7 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
                              const std::optional<JournalBeginning>& beginning)
     : file_(journalFile(folder)), header_bytes_(headerBytes(header)), options_(std::move(options)) {
   if (beginning) sequence_ = recordsFor(beginning->bricks.size());
-  Made made = makeFile(beginning ? &*beginning : nullptr, sequence_, Takes::kFreeName);
+  Made made = makeFile(beginning ? &*beginning : nullptr, sequence_);
   if (made.unflushed != 0) {
     unlink(file_.c_str());
     refuseFile(folder, made.unflushed);
@@ -75,7 +85,7 @@ JournalWriter::JournalWriter(const fs::path& folder, const JournalHeader& header
 }
 
 // The file is written under a temporary name first, so that a journal without a header never exists.
-JournalWriter::Made JournalWriter::makeFile(const JournalBeginning* beginning, std::uint64_t last, Takes takes) const {
+JournalWriter::Made JournalWriter::makeFile(const JournalBeginning* beginning, std::uint64_t last) const {
   const fs::path folder = file_.parent_path();
   if (const int unmade = makeFolder(folder, Rights::kPrivate); unmade != 0) refuseFile(folder, unmade);
   PartFile draft = openPartFile(file_, Rights::kPrivate);
@@ -87,7 +97,7 @@ JournalWriter::Made JournalWriter::makeFile(const JournalBeginning* beginning, s
     failed = writeBeginning(made.descriptor.get(), *beginning, records, last, made.bytes);
   }
   if (failed == 0 && fsync(made.descriptor.get()) != 0) failed = errno;
-  if (failed == 0 && takes == Takes::kOwnName) {
+  if (failed == 0 && isNameOf(file_, descriptor_.get())) {  // asked this late: writing may have taken minutes
     if (rename(draft.name.c_str(), file_.c_str()) != 0) failed = errno;
   } else if (failed == 0) {
     made.leftover = Leftover::file([&] {
@@ -118,7 +128,8 @@ std::uint64_t JournalWriter::appendOrEnd(const Work& work) noexcept {
     work();
   } catch (...) {
     sequence_ = std::max(sequence_, before + 1);
-    flushAndEnd("there was no memory for a record", ENOMEM);
+    flush();
+    stopTaking("there was no memory for a record", ENOMEM);
   }
   return sequence_;
 }
@@ -155,8 +166,7 @@ void JournalWriter::append(RecordKind kind, std::string_view content) {
   if (kind != RecordKind::kStamp && !order_.follow(kind)) {
     flush();
     ++sequence_;
-    is_behind_ = !failed();
-    return stopTaking();
+    return stopTaking(nullptr, 0);
   }
   const std::string bytes = recordBytes(kind, sequence_ + 1, content);
   std::unique_lock lock(mutex_);
@@ -237,23 +247,27 @@ bool JournalWriter::writeGroup(const std::string& group) {
   return false;
 }
 
+// Flushes first, so that it is known up to which edit all is saved.
 void JournalWriter::end(const char* what, int error) noexcept {
   ended_for_good_ = true;
-  flushAndEnd(what, error);
-}
-
-// Flushes first, so that it is known up to which edit all is saved.
-void JournalWriter::flushAndEnd(const char* what, int error) noexcept {
   flush();
-  fail(what, error);
-  stopTaking();
+  stopTaking(what, error);
 }
 
-void JournalWriter::stopTaking() noexcept {
+// With a failure, or, without one, as it is behind. All at once: beginAnew() may come to its end beside this.
+void JournalWriter::stopTaking(const char* what, int error) noexcept {
   const std::lock_guard lock(mutex_);
-  if (gathers_.exchange(false)) queue_.clear();
+  gathers_ = false;
+  queue_.clear();
+  if (what != nullptr) noteFailure(what, error);
+  is_behind_ = failure_ == nullptr;
   ended_ = true;
   wake_.notify_one();
+  progress_.notify_all();
+}
+
+void JournalWriter::failIfBehind() noexcept {
+  if (is_behind_ || gathers_) stopTaking(kBehind, 0);
 }
 
 void JournalWriter::gatherAnew(std::uint64_t edits) noexcept {
@@ -269,8 +283,7 @@ void JournalWriter::gatherAnew(std::uint64_t edits) noexcept {
 void JournalWriter::beginAnew(const JournalBeginning& beginning) {
   stopThread();
   try {
-    const Takes takes = isNameOf(file_, descriptor_.get()) ? Takes::kOwnName : Takes::kFreeName;
-    Made made = makeFile(&beginning, anew_.record, takes);
+    Made made = makeFile(&beginning, anew_.record);
     descriptor_ = std::move(made.descriptor);
     leftover_ = std::move(made.leftover);
     if (anew_.record > 0) leftover_.release();
@@ -278,24 +291,27 @@ void JournalWriter::beginAnew(const JournalBeginning& beginning) {
     // After a power cut there may be the old file or the new one. Either has what is acknowledged until now.
     if (made.unflushed != 0) refuseFile(file_.parent_path(), made.unflushed);
   } catch (...) {
-    fail(kBehind, 0);  // if it had not failed before
-    stopTaking();
+    stopTaking(kBehind, 0);  // if it had not failed before
     throw;
   }
-  const std::uint64_t record = anew_.record;
-  {
-    const std::lock_guard lock(mutex_);
-    on_disk_ = anew_;
-    acknowledged_.store(record, std::memory_order_release);
-    if (gathers_) {  // else records that followed are lost again
-      failure_ = nullptr;
-      ended_ = false;
-      failed_.store(false, std::memory_order_release);  // before the next line: appendOrEnd()
-      gathers_ = false;
-      thread_ = std::thread([this] { work(); });
-    }
+  acknowledged_.store(anew_.record, std::memory_order_release);
+  // Before the thread tells of newer ones.
+  if (options_.on_acknowledged) options_.on_acknowledged(anew_.record);
+  const std::lock_guard lock(mutex_);
+  on_disk_ = anew_;
+  if (!gathers_) return;  // records that followed are lost again
+  try {
+    thread_ = std::thread([this] { work(); });  // which waits for the lock
+  } catch (const std::system_error& error) {
+    noteFailure("no thread can be started for it", error.code().value());
+    gathers_ = false;
+    queue_.clear();
+    throw;
   }
-  if (options_.on_acknowledged) options_.on_acknowledged(record);
+  if (std::exchange(failure_, nullptr) != nullptr) ++times_mended_;
+  ended_ = false;
+  failed_.store(false, std::memory_order_release);  // before the next line: appendOrEnd()
+  gathers_ = false;
 }
 
 void JournalWriter::stopThread() {
@@ -340,17 +356,21 @@ std::string JournalWriter::failure() const {
 }
 
 bool JournalWriter::flush() {
-  std::unique_lock lock(mutex_);
-  hurry_ = !queue_.empty();
-  wake_.notify_one();
-  progress_.wait(lock, [&] { return on_disk_.record >= queued_.record || ended_; });
-  return !failed() && on_disk_.record == sequence_;
+  {
+    std::unique_lock lock(mutex_);
+    hurry_ = !queue_.empty();
+    wake_.notify_one();
+    progress_.wait(lock, [&] { return on_disk_.record >= queued_.record || ended_; });
+    if (ended_ || failed()) return false;
+  }
+  if (!isNameOf(file_, descriptor_.get())) stopTaking(kGone, ENOENT);
+  return !failed() && acknowledged() == sequence_;
 }
 
 void JournalWriter::close() {
   stopThread();
   leftover_.release();
-  if (is_behind_) fail(kBehind, 0);
+  failIfBehind();
   if (failed()) dropEmpty();
 }
 
@@ -360,7 +380,7 @@ void JournalWriter::closeAndDropEmpty() {
 }
 
 void JournalWriter::dropEmpty() noexcept {
-  if (acknowledged() > 0 || !isNameOf(file_, descriptor_.get())) return;
+  if (acknowledged() > 0 || anew_.record > 0 || !isNameOf(file_, descriptor_.get())) return;
   unlink(file_.c_str());
   bytes_ = 0;
 }

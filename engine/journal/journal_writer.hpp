@@ -13,8 +13,8 @@
 // A journal that has ended can begin anew, with the volume as the edits have made it until then: a new file replaces
 // the old one, and what follows is kept again.
 //
-// Threads: one thread appends; any thread may call acknowledged(), failure() and failed(). Cost of an append: encoding
-// and a lock.
+// Threads: one thread appends; any thread may call acknowledged(), failure(), failed() and timesMended(). Cost of an
+// append: encoding and a lock; of an undo or redo that the file cannot have, a wait for what is queued.
 #pragma once
 
 #include <atomic>
@@ -39,9 +39,10 @@
 namespace palpate {
 
 struct JournalOptions {
-  std::chrono::microseconds gather{3000};              // wait for more records after the first of a group
-  std::size_t queue_bytes = std::size_t{4} << 20U;     // limit of the queue [byte]; a larger record is queued alone
-  std::function<void(std::uint64_t)> on_acknowledged;  // gets the newest record's number, in the journal's thread
+  std::chrono::microseconds gather{3000};           // wait for more records after the first of a group
+  std::size_t queue_bytes = std::size_t{4} << 20U;  // limit of the queue [byte]; a larger record is queued alone
+  // Gets the newest record's number, in the journal's thread, or in that of beginAnew().
+  std::function<void(std::uint64_t)> on_acknowledged;
 };
 
 // The volume with which a journal begins, if that is another one than its header's: as earlier edits have made it.
@@ -81,6 +82,8 @@ class JournalWriter {
   // included. Appending thread, if canBeginAnew(). Nothing is acknowledged before beginAnew() is done, and a record
   // that finds the queue full ends the journal as before.
   void gatherAnew(std::uint64_t edits) noexcept;
+  // For a caller who cannot call beginAnew() now, or ever: then it has failed.
+  void failIfBehind() noexcept;
   // Makes a new file, which begins with the volume as it was at gatherAnew(), in place of the old one, or where that
   // was removed. No other session's journal is replaced. Then the journal has not failed any more, and all that was
   // appended before is acknowledged. Until it returns nothing else is called but appends, acknowledged(), failure() and
@@ -96,10 +99,12 @@ class JournalWriter {
   [[nodiscard]] std::string failure() const;
   // Whether the journal has failed, without a lock.
   [[nodiscard]] bool failed() const noexcept { return failed_.load(std::memory_order_acquire); }
+  // How often it has begun anew after it had failed.
+  [[nodiscard]] std::uint64_t timesMended() const noexcept { return times_mended_.load(std::memory_order_acquire); }
   [[nodiscard]] std::uint64_t appended() const noexcept { return sequence_; }   // appending thread only
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_.load(); }  // on disk, header included; 0: deleted
 
-  // Waits until everything appended is acknowledged, or the journal has ended. Whether all is.
+  // Waits until everything appended is acknowledged, or the journal has ended. Whether all is, in a file that is there.
   bool flush();
   // Flushes and ends; nothing may be appended afterwards. Deletes the journal if it failed before it acknowledged a
   // record.
@@ -120,8 +125,7 @@ class JournalWriter {
     Leftover leftover{};  // removes a journal without a record if the program dies
     int unflushed = 0;    // errno: why a power cut may take it away again
   };
-  enum class Takes { kFreeName, kOwnName };
-  [[nodiscard]] Made makeFile(const JournalBeginning* beginning, std::uint64_t last, Takes takes) const;
+  [[nodiscard]] Made makeFile(const JournalBeginning* beginning, std::uint64_t last) const;
   template <typename Work>
   std::uint64_t appendOrEnd(const Work& work) noexcept;
   void append(RecordKind kind, std::string_view content);
@@ -131,8 +135,7 @@ class JournalWriter {
   bool writeGroup(const std::string& group);
   void fail(const char* what, int error) noexcept;
   void noteFailure(const char* what, int error) noexcept;
-  void flushAndEnd(const char* what, int error) noexcept;
-  void stopTaking() noexcept;
+  void stopTaking(const char* what, int error) noexcept;
   void stopThread();
   void dropEmpty() noexcept;
 
@@ -149,6 +152,7 @@ class JournalWriter {
   std::atomic<bool> failed_ = false;
   std::atomic<bool> is_behind_ = false;  // canBeginAnew(), and has not failed
   std::atomic<bool> ended_for_good_ = false;
+  std::atomic<std::uint64_t> times_mended_ = 0;
   std::atomic<bool> gathers_ = false;  // for a file that is being made; set and reset under the lock
 
   mutable std::mutex mutex_;

@@ -12,12 +12,6 @@
 #include "base/units.hpp"
 
 namespace palpate {
-namespace {
-
-constexpr double kShareForWriting = 1. / 20;
-
-}  // namespace
-
 CheckpointKeeper::CheckpointKeeper(std::filesystem::path folder, const EditedState& state, std::uint64_t journal,
                                    const Headstart& held, std::function<void(const std::string&)> told,
                                    double edits_between_s)

@@ -24,6 +24,7 @@ namespace palpate {
 class CheckpointKeeper {
  public:
   static constexpr double kEditsBetween_s = 0.3;
+  static constexpr double kShareForWriting = 1. / 20;  // of the time, at most
   // `state` outlives this and knows of each change before this does. `journal`: JournalHeader::id. `held`: what
   // putCheckpoint() said of the volume that the session begins with; such files of the session before are written anew
   // soon, since they do not say that they are of this journal. `told` gets the words of a failure, once, in the saver's

@@ -145,7 +145,10 @@ bool EditSession::isCopyDue(std::int64_t now_ns) const {
 }
 
 void EditSession::feedSaver(std::int64_t now_ns) {
-  if (!saver_ || !saver_usable_) return;
+  if (!saver_ || !saver_usable_) {
+    if (journal_) journal_->failIfBehind();
+    return;
+  }
   const std::size_t changed = engine_->changedBricks();
   const std::size_t more = changed > bricks_left_ ? changed - bricks_left_ : 0;
   bricks_left_ = changed;
@@ -165,7 +168,7 @@ void EditSession::feedSaver(std::int64_t now_ns) {
                     : !errands_.empty() ? Then::kErrand
                     : save_due          ? Then::kSave
                                         : Then::kNothing;
-  const bool hurries = save_due || !errands_.empty() || missing_.size() >= kMostMissing;
+  const bool hurries = save_due || renewal_due || !errands_.empty() || missing_.size() >= kMostMissing;
   handOver(kBricksAtOnce + (hurries ? more : 0), then, now_ns);
   bricks_left_ = engine_->changedBricks();
   if (!due || bricks_left_ > 0) return;
@@ -281,6 +284,7 @@ void EditSession::close() {
   }
   closed_ = true;
   saver_->wait();
+  if (journal_) journal_->flush();  // what fails now can still begin anew
   if (renewal_) renewal_->hurry();
   const bool save = saves_ && !isSaved();
   for (bool more = true; more && saver_usable_ && !lacks_edits_;) {

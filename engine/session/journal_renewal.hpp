@@ -3,7 +3,8 @@
 // anew from the volume as edits have made it (JournalWriter::beginAnew()).
 //
 // It is tried at once, and then every second, or less often where trying takes long: it takes one twentieth of the time
-// at most. Threads: the engine's; what begin() returns runs in the saver's, and until it is done nothing else is asked.
+// at most, and half of it where somebody waits for an undo. Threads: the engine's; what begin() returns runs in the
+// saver's, and until it is done nothing else is asked.
 #pragma once
 
 #include <cstddef>
@@ -24,21 +25,23 @@ class JournalRenewal {
   JournalRenewal(JournalWriter& journal, EditedState& state) noexcept : journal_(journal), state_(state) {}
 
   [[nodiscard]] bool isDue(std::int64_t now_ns) const noexcept;
-  void hurry() noexcept { not_before_ns_ = kAtOnce; }
-  // If it is due, when the saver's volume holds every change: what makes the file from that. It throws if another
-  // session's journal is in the way, once; of a disk that takes none the user was told when the journal ended. `made`:
+  void hurry() noexcept { not_before_ns_ = undo_not_before_ns_ = kAtOnce; }
+  // If it is due, when the saver's volume holds every change: what makes the file from that. It throws the first time
+  // that it fails for a reason which the journal's failure does not name. One that is not called fails, too. `made`:
   // edits until now, undo and redo included. `in_effect`: those that are not undone.
   [[nodiscard]] std::function<void(const Volume&)> begin(std::int64_t now_ns, std::uint64_t made,
                                                          std::size_t in_effect);
 
  private:
+  class Attempt;
   void makeFile(const EditMark& mark, const Volume& volume, std::int64_t began_ns);
 
   static constexpr std::int64_t kAtOnce = std::numeric_limits<std::int64_t>::min();
   JournalWriter& journal_;
   EditedState& state_;
-  std::int64_t not_before_ns_ = kAtOnce;
-  std::string told_;  // why it failed last
+  std::int64_t not_before_ns_ = kAtOnce;       // after a failure
+  std::int64_t undo_not_before_ns_ = kAtOnce;  // where it has only come behind its beginning
+  std::string told_;                           // why it failed last
 };
 
 }  // namespace palpate

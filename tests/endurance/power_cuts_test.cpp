@@ -60,14 +60,16 @@ struct Counts {
   std::uint64_t changes = 0, acknowledged = 0;
 };
 
-// From the start of a service to its end, on a disk that is cut again and again.
+// From the start of a service to its end.
 class PoweredSession {
  public:
-  PoweredSession(const fs::path& place, unsigned seed, int every)
-      : place_(place), random_(seed), disk_(place, seed, every, [this](UnsyncedDisk::Image image) {
-          const std::lock_guard lock(mutex_);
-          cuts.push_back({std::move(image), known()});
-        }) {
+  // `cut` is set to what takes a cut of this session.
+  PoweredSession(const fs::path& place, unsigned seed, std::function<void(UnsyncedDisk::Image)>& cut)
+      : place_(place), random_(seed) {
+    cut = [this](UnsyncedDisk::Image image) {
+      const std::lock_guard lock(mutex_);
+      cuts.push_back({std::move(image), known()});
+    };
     Scene scene;
     scene.volume = "phantom:sphere?size=16";
     Progress silent(nullptr);
@@ -178,7 +180,6 @@ class PoweredSession {
   std::size_t known_at_end_ = 0;
   std::int64_t now_ns_ = 0;
   std::optional<RandomEdits> edits_;
-  UnsyncedDisk disk_;
   std::optional<FileSizeLimit> full_;
   std::optional<ServedEngine> served_;
 };
@@ -239,6 +240,37 @@ bool isOneOf(const std::vector<std::uint64_t>& states, std::size_t first, std::u
   return std::find(states.begin() + static_cast<std::ptrdiff_t>(first), states.end(), content) != states.end();
 }
 
+struct Before {
+  std::optional<std::uint64_t> state, saved;
+};
+
+// `place` is made for it, and removed.
+void check(const Cut& one, const std::vector<std::uint64_t>& states, const Before& before, const fs::path& place,
+           const std::string& of, Counts& counts) {
+  const auto& [image, known] = one;
+  image.write(place);
+  const std::string what = of + ", " + image.moment;
+  counts.with_edits += known.state > 0;
+  counts.acknowledged += known.state;
+  counts.at_checkpoints += image.moment.find("checkpoint") != std::string::npos;
+  counts.at_saves += image.moment.find("out.vdb") != std::string::npos;
+  try {
+    const std::optional<std::uint64_t> back = recovered(place, counts);
+    const bool is_there = back ? isOneOf(states, known.state, *back) : !before.state && known.state == 0;
+    EXPECT_TRUE(is_there) << what << ": older than state " << known.state << " of " << states.size();
+    counts.missing += !is_there;
+    const std::optional<std::uint64_t> saved = savedIn(place);
+    const bool is_whole = (saved == before.saved && !known.saved_state) ||
+                          (saved && isOneOf(states, known.saved_state.value_or(0), *saved));
+    EXPECT_TRUE(is_whole) << what << ": the saved file";
+    counts.other_files += !is_whole;
+  } catch (const Error& error) {
+    ADD_FAILURE() << what << ": " << error.what();
+    ++counts.missing;
+  }
+  fs::remove_all(place);
+}
+
 TEST(PowerCuts, LoseNothingThatWasAcknowledged) {
   const Stopwatch watch;
   const int wanted = static_cast<int>(numberOf("PALPATE_POWER_CUTS", 150));
@@ -254,49 +286,26 @@ TEST(PowerCuts, LoseNothingThatWasAcknowledged) {
     } else {
       left.reset();
     }
-    Counts ignored;
-    const std::optional<std::uint64_t> begins = recovered(place, ignored), saved_before = savedIn(place);
-    std::vector<Cut> cuts;
-    std::vector<std::uint64_t> states;
-    {
-      PoweredSession session(place, seed, 3);
+    // Two in turn: what the first has not synced is still not there for the second.
+    std::function<void(UnsyncedDisk::Image)> cut;
+    UnsyncedDisk disk(place, seed, 3, [&cut](UnsyncedDisk::Image image) { cut(std::move(image)); });
+    for (const unsigned turn : {0U, 1U}) {
+      Counts ignored;
+      const std::optional<std::uint64_t> begins = recovered(place, ignored), saved_before = savedIn(place);
+      PoweredSession session(place, 2 * seed + turn, cut);
       if (begins) {
         ASSERT_EQ(session.states.at(0), *begins) << "session " << seed;
       }
-      session.run(300);
+      session.run(150);
       session.end();
-      cuts = std::move(session.cuts);
-      states = std::move(session.states);
       counts.renewed += session.renewed;
+      counts.changes += session.states.size();
+      ASSERT_FALSE(session.cuts.empty());
+      const std::string what = fmt::format("session {}, {}", seed, turn);
+      for (std::size_t i = 0; i < session.cuts.size() && counts.cuts < wanted; ++i, ++counts.cuts)
+        check(session.cuts[i], session.states, {begins, saved_before}, folder.path() / "cut", what, counts);
+      left = session.cuts[std::uniform_int_distribution<std::size_t>(0, session.cuts.size() - 1)(random)].image;
     }
-    counts.changes += states.size();
-    for (std::size_t i = 0; i < cuts.size() && counts.cuts < wanted; ++i, ++counts.cuts) {
-      const auto& [image, known] = cuts[i];
-      const fs::path cut = folder.path() / fmt::format("cut-{}", i);
-      image.write(cut);
-      const std::string what = fmt::format("session {}, cut {}, {}", seed, i, image.moment);
-      counts.with_edits += known.state > 0;
-      counts.acknowledged += known.state;
-      counts.at_checkpoints += image.moment.find("checkpoint") != std::string::npos;
-      counts.at_saves += image.moment.find("out.vdb") != std::string::npos;
-      try {
-        const std::optional<std::uint64_t> back = recovered(cut, counts);
-        const bool is_there = back ? isOneOf(states, known.state, *back) : !begins && known.state == 0;
-        EXPECT_TRUE(is_there) << what << ": older than state " << known.state << " of " << states.size();
-        counts.missing += !is_there;
-        const std::optional<std::uint64_t> saved = savedIn(cut);
-        const bool is_whole = (saved == saved_before && !known.saved_state) ||
-                              (saved && isOneOf(states, known.saved_state.value_or(0), *saved));
-        EXPECT_TRUE(is_whole) << what << ": the saved file";
-        counts.other_files += !is_whole;
-      } catch (const Error& error) {
-        ADD_FAILURE() << what << ": " << error.what();
-        ++counts.missing;
-      }
-      fs::remove_all(cut);
-    }
-    ASSERT_FALSE(cuts.empty());
-    left = cuts[std::uniform_int_distribution<std::size_t>(0, cuts.size() - 1)(random)].image;
   }
   EXPECT_GE(counts.with_edits, wanted / 2);
   EXPECT_GE(counts.at_checkpoints, wanted / 100);

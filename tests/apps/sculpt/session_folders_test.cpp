@@ -113,6 +113,24 @@ TEST(SessionFolders, WithADamagedJournalTellWhatIsLost) {
   EXPECT_THAT(leftSessions(root.path()), IsEmpty());
 }
 
+// It holds its edits as bricks, and may have made its folder again, which has no lock then.
+TEST(SessionFolders, OfAJournalThatBeganAnewAreFoundOnceNobodyLives) {
+  const TemporaryFolder root;
+  const Volume volume = Volume::fromDense(Vec3i(8, 8, 8), {}, std::vector<float>(512, 1.F), {});
+  const std::vector<std::uint32_t> bricks = {0};
+  std::optional<JournalWriter> journal;
+  journal.emplace(root.path() / "2026-01-01T000000-1", header("scan.nii"), JournalOptions{},
+                  JournalBeginning{{5, 7}, &volume, bricks});
+  EXPECT_THAT(leftSessions(root.path()), IsEmpty()) << "its session is alive";
+  EditCommand dab;
+  dab.radius_m = 1e-3;
+  journal->edit({&dab, 1});
+  journal.reset();
+  const std::vector<LeftSession> left = leftSessions(root.path());
+  ASSERT_EQ(left.size(), 1U);
+  EXPECT_EQ(left[0].edits, 6U);
+}
+
 TEST(SessionFolders, AreRefusedWhereNoneCanBeMade) {
   const TemporaryFolder root;
   std::ofstream(root.path() / "file") << "x";

@@ -19,7 +19,6 @@
 namespace palpate {
 namespace journal_renewal_test {
 
-using testing::Contains;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
@@ -204,6 +203,35 @@ TEST(JournalRenewal, NothingAcknowledgedIsLost) {
   EXPECT_GE(begun, 16);
   EXPECT_GE(removed, 8);
   EXPECT_GE(behind, 4);
+}
+
+// A copy of the volume that is incomplete is no beginning: nobody waits for one then.
+TEST(JournalRenewal, WithoutAWholeCopyAnUndoBehindTheBeginningIsAFailure) {
+  for (const bool is_closed : {false, true}) {
+    const TemporaryFolder folder;
+    Session s;
+    s.session.keepJournal(folder.path() / "journal", s.header.volume);
+    s.session.keepSaved(s.volume, {}, 0);
+    s.session.edit({{dab(0)}}, 0);
+    EXPECT_TRUE(s.session.flushJournal());
+    fs::remove_all(folder.path() / "journal");
+    EXPECT_FALSE(s.session.flushJournal());
+    s.session.feedSaver(0);
+    s.session.saver()->wait();
+    ASSERT_TRUE(s.session.flushJournal());
+    EXPECT_EQ(s.session.journal()->timesMended(), 1U);
+    s.session.saver()->abandon("no memory");
+    s.session.undo(0);
+    EXPECT_FALSE(s.session.flushJournal());
+    EXPECT_FALSE(s.session.journal()->failed());
+    if (is_closed) {
+      s.session.close();
+    } else {
+      s.session.feedSaver(10 * kSecond_ns);
+      s.session.saver()->wait();
+    }
+    EXPECT_THAT(s.session.journal()->failure(), HasSubstr("it cannot begin anew; edits after number 1")) << is_closed;
+  }
 }
 
 }  // namespace journal_renewal_test
