@@ -77,6 +77,17 @@ void UnsyncedDisk::takeIn() {
   seen_ = std::move(now);
 }
 
+// With a folder goes what was in it, also where another gets its name.
+void UnsyncedDisk::apply(const Change& change, Entries& entries) const {
+  for (const auto& [name, key] : change) {
+    const auto old = entries.find(name);
+    if (old != entries.end() && old->second != key && is_folder_.at(old->second))
+      std::erase_if(entries, [&](const auto& entry) { return entry.first.starts_with(name + "/"); });
+    entries.erase(name);
+    if (key != kGone) entries[name] = key;
+  }
+}
+
 int UnsyncedDisk::sync(int descriptor) {
   bool is_folder = false;
   const Key key = keyOf(descriptor, "", AT_EMPTY_PATH, is_folder);
@@ -99,10 +110,7 @@ int UnsyncedDisk::sync(int descriptor) {
         left.push_back(std::move(change));
         continue;
       }
-      for (const auto& [entry, entry_key] : change) {
-        durable_.erase(entry);
-        if (entry_key != kGone) durable_[entry] = entry_key;
-      }
+      apply(change, durable_);
     }
     pending_ = std::move(left);
   } else {
@@ -155,10 +163,7 @@ UnsyncedDisk::Image UnsyncedDisk::imageNow(const std::string& words) {
   Entries entries = durable_;
   for (const Change& change : pending_) {
     if (mode == 0 || (mode > 1 && std::bernoulli_distribution(0.5)(random_))) continue;
-    for (const auto& [name, key] : change) {
-      entries.erase(name);
-      if (key != kGone) entries[name] = key;
-    }
+    apply(change, entries);
   }
   Image image{.moment = words, .files = {}, .folders = {}};
   for (const auto& [name, key] : entries) {  // a folder comes before what is in it

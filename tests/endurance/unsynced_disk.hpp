@@ -52,6 +52,7 @@ class UnsyncedDisk {
   [[nodiscard]] static Key keyOf(int folder, const std::string& name, int flags, bool& is_folder);
   [[nodiscard]] Entries look();
   void takeIn();
+  void apply(const Change& change, Entries& entries) const;
   void moment(const std::string& words, int often = 1);
   [[nodiscard]] Image imageNow(const std::string& words);
   [[nodiscard]] std::string contentNow(Key key, int mode);
