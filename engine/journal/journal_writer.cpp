@@ -123,11 +123,10 @@ JournalWriter::~JournalWriter() {
 template <typename Work>
 std::uint64_t JournalWriter::appendOrEnd(const Work& work) noexcept {
   if (!gathers_ && failed()) return ++sequence_;  // never acknowledged
-  const std::uint64_t before = sequence_;
   try {
     work();
   } catch (...) {
-    sequence_ = std::max(sequence_, before + 1);
+    ++sequence_;  // of the record that is missing: the last that was appended may be a stamp's, which gets to the disk
     flush();
     stopTaking("there was no memory for a record", ENOMEM);
   }
