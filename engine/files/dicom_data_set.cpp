@@ -11,6 +11,11 @@ const DicomElement& DicomItem::element(DicomTag tag) const {
   return found == elements.end() ? kNothing : found->second;
 }
 
+std::uint32_t DicomItem::number(DicomTag tag, std::uint32_t otherwise) const {
+  const std::vector<std::uint32_t>& numbers = element(tag).numbers;
+  return numbers.empty() ? otherwise : numbers[0];
+}
+
 const DicomItem* DicomItem::item(DicomTag sequence) const {
   const DicomElement& found = element(sequence);
   return found.items.empty() ? nullptr : found.items.data();

@@ -24,6 +24,10 @@ enum class DicomTag : std::uint32_t {
   kPlanePositionSequence = 0x00209113,
   kPlaneOrientationSequence = 0x00209116,
   kTemporalPositionIndex = 0x00209128,
+  kDimensionIndexValues = 0x00209157,
+  kDimensionIndexPointer = 0x00209165,
+  kDimensionIndexSequence = 0x00209222,
+  kDimensionDescriptionLabel = 0x00209421,
   kSamplesPerPixel = 0x00280002,
   kPhotometricInterpretation = 0x00280004,
   kNumberOfFrames = 0x00280008,
@@ -66,6 +70,8 @@ struct DicomItem {
   [[nodiscard]] bool has(DicomTag tag) const { return elements.contains(tag); }
   // A missing element gives one that holds nothing.
   [[nodiscard]] const DicomElement& element(DicomTag tag) const;
+  // The first number of an element; `otherwise` if it has none.
+  [[nodiscard]] std::uint32_t number(DicomTag tag, std::uint32_t otherwise) const;
   // The first item of a sequence; null if there is none. The sequences that are looked into so have one item.
   [[nodiscard]] const DicomItem* item(DicomTag sequence) const;
   // Without the blanks and zeros around it.
@@ -87,6 +93,9 @@ struct DicomDataSet {
   };
   std::vector<Fragment> rle_frames;  // one for each frame, if they are packed as RLE
   std::uint64_t pixel_offset = 0;    // in the file, or for a deflated file in what it unpacks to [byte]
+
+  // GDCM unpacks the pixels (gdcm_child.hpp); others are read here.
+  [[nodiscard]] bool unpackedByGdcm() const { return packed && rle_frames.empty(); }
 };
 
 }  // namespace palpate

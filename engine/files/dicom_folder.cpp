@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/files/dicom_parts.hpp"
 #include "engine/files/magic.hpp"
 #include "engine/files/text_header.hpp"
 
@@ -43,29 +44,11 @@ DicomSeries slicesOf(const std::string& folder, const std::string& source) {
   return slices;
 }
 
-// What tells the volumes of one series apart: of a stack that is imaged again and again, and of several stacks.
-using Part = std::pair<std::string, std::uint32_t>;
-Part partOf(const DicomSlice& slice) {
-  return {slice.text(DicomTag::kStackId), slice.phase()};
-}
-
-// Adds the slices of one series: as one volume, or as one for each stack and phase.
-void addSeries(DicomFolder& all, const std::string& uid, DicomSeries slices) {
-  std::map<Part, DicomSeries> parts;
-  for (DicomSlice& slice : slices) parts[partOf(slice)].push_back(std::move(slice));
-  for (auto& [part, of_part] : parts) {
-    if (parts.size() == 1) {
-      all[uid] = std::move(of_part);
-    } else {
-      all[fmt::format("{}/{:04}", uid, std::distance(parts.begin(), parts.find(part)) + 1)] = std::move(of_part);
-    }
-  }
-}
-
-// The numbered list of series for messages.
-std::string listOf(const DicomFolder& all) {
+// The numbered list for messages of the series whose keys begin with `first`.
+std::string listOf(const DicomFolder& all, const std::string& first = "") {
   std::string list;
   for (const auto& [key, series] : all) {
+    if (!key.starts_with(first)) continue;
     list +=
         fmt::format("{}{}: {} ({} slice{})", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(key)) + 1,
                     wordsOfSeries(all, key, true), series.size(), series.size() == 1 ? "" : "s");
@@ -82,18 +65,18 @@ DicomFolder readDicomFolder(const std::string& folder, const std::string& source
     by_uid[uid].push_back(std::move(slice));
   }
   DicomFolder all;
-  for (auto& [uid, slices] : by_uid) addSeries(all, uid, std::move(slices));
+  for (auto& [uid, slices] : by_uid) {
+    std::vector<DicomSeries> parts = partsOf(std::move(slices));
+    for (std::size_t n = 0; n < parts.size(); ++n)
+      all[parts.size() == 1 ? uid : fmt::format("{}/{:04}", uid, n + 1)] = std::move(parts[n]);
+  }
   return all;
 }
 
 std::string wordsOfSeries(const DicomFolder& all, const std::string& key, bool description_first) {
   const DicomSlice& first = all.at(key)[0];
   std::string words = key;
-  if (words != first.text(DicomTag::kSeriesInstanceUid)) {
-    const auto& [stack, phase] = partOf(first);
-    if (!stack.empty()) words += fmt::format(" stack {}", stack);
-    if (phase != 0) words += fmt::format(" phase {}", phase);
-  }
+  if (words != first.text(DicomTag::kSeriesInstanceUid)) words += first.part;
   const std::string description = first.text(DicomTag::kSeriesDescription);
   if (description.empty()) return words;
   return description_first ? fmt::format("\"{}\" {}", description, words)
@@ -107,6 +90,9 @@ std::string chooseSeries(const DicomFolder& all, const std::string& wanted, cons
            fmt::format("choose one: --series 1, or {}#1 as its name", source));
   }
   if (all.contains(wanted)) return wanted;
+  const std::string parts = listOf(all, wanted + "/");
+  if (!parts.empty())
+    refuse(source, fmt::format("the series {} holds several volumes", wanted), "choose one of " + parts);
   std::size_t number = 0;
   const auto [end, failure] = std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
   const bool is_number = failure == std::errc() && end == wanted.data() + wanted.size();

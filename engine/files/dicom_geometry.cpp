@@ -67,7 +67,12 @@ double checkGaps(const DicomSeries& series, const std::string& source) {
   for (std::size_t n = 1; n < series.size(); ++n) {
     const double gap = series[n].along_mm - series[n - 1].along_mm;
     const std::string pair = pairOf(series, n);
-    if (gap < 1e-3) refuse(source, pair + " lie at one place", "keep one time point or echo in a folder");
+    if (gap < 1e-3) {
+      refuse(source, pair + " lie at one place",
+             series[n].path == series[n - 1].path
+                 ? "write each time point or echo into files of its own, in another program"
+                 : "keep one time point or echo in a folder");
+    }
     if (gap > 1.5 * usual) {
       const double missing = std::round(gap / usual) - 1;
       refuse(source,

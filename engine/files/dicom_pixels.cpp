@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/files/dicom_pixels.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <map>
 #include <memory>
@@ -29,10 +30,6 @@ std::size_t frameBytes(const DicomSlice& slice, const DicomValueRule& rule) {
   return slice.columns() * slice.rows() * rule.wordBytes();
 }
 
-bool unpackedByGdcm(const DicomSlice& slice) {
-  return slice.file->packed && slice.file->rle_frames.empty();
-}
-
 void checkPixels(const DicomSlice& slice, const DicomValueRule& rule, const std::string& source) {
   const DicomDataSet& file = *slice.file;
   if (dicomIsPlain(file.syntax) == file.packed) {
@@ -46,13 +43,17 @@ void checkPixels(const DicomSlice& slice, const DicomValueRule& rule, const std:
     refuse(source, fmt::format("{} holds two pixels in a word, in big-endian order", slice.name()),
            "convert the series to little-endian order");
   }
-  if (unpackedByGdcm(slice) && rule.high_bit + 1 != rule.bits_stored) {
+  if (file.unpackedByGdcm() && !gdcmUnpacks(file.syntax)) {
+    refuse(source, fmt::format("{} is packed as {}, which Palpate does not read", slice.name(), file.syntax),
+           "unpack the series in another program");
+  }
+  if (file.unpackedByGdcm() && rule.high_bit + 1 != rule.bits_stored) {
     refuse(source,
            fmt::format("{} is packed, and the highest of its {} bits (BitsStored) is bit {} (HighBit)", slice.name(),
                        rule.bits_stored, rule.high_bit),
            "unpack the series in another program");
   }
-  if (unpackedByGdcm(slice) && rule.bits_allocated == 8 && rule.bits_stored < 8) {  // an assertion of GDCM's
+  if (file.unpackedByGdcm() && rule.bits_allocated == 8 && rule.bits_stored < 8) {  // an assertion of GDCM's
     refuse(source,
            fmt::format("{} is packed, and has {} bits (BitsStored) in pixels of 8", slice.name(), rule.bits_stored),
            "unpack the series in another program");
@@ -89,9 +90,9 @@ class OwnPixels {
   void open(const DicomSlice& slice) {
     path_ = slice.path;
     if (slice.file->deflated) {
-      const auto set = inflatedDicom(bytesOfSlice(slice.path, source_));
+      auto set = inflatedDicom(bytesOfSlice(slice.path, source_));
       if (!set) refuseChanged(slice);
-      inflated_ = *set;
+      inflated_ = *std::move(set);
     } else {
       opened_ = Descriptor(::open(slice.path.c_str(), O_RDONLY | O_CLOEXEC));
       if (!opened_) throw cannotRead(source_, slice.name(), {errno, std::generic_category()});
@@ -131,7 +132,7 @@ class PackedPixels {
       : source_(source) {
     std::size_t bytes = 0;
     for (std::size_t n = 0; n < series.size(); ++n) {
-      if (!unpackedByGdcm(series[n]) || !begins_.emplace(series[n].path, bytes).second) continue;
+      if (!series[n].file->unpackedByGdcm() || !begins_.emplace(series[n].path, bytes).second) continue;
       files_.push_back({series[n].path, rules[n].bits_allocated, {}});
       sizes_.push_back(series[n].frames * frameBytes(series[n], rules[n]));
       bytes += sizes_.back();
@@ -143,17 +144,23 @@ class PackedPixels {
     unpackDicom(files_, source);
   }
 
-  [[nodiscard]] std::span<const char> words(const DicomSlice& slice, const DicomValueRule& rule) const {
+  [[nodiscard]] std::span<const char> words(const DicomSlice& slice, const DicomValueRule& rule) {
     const std::size_t bytes = frameBytes(slice, rule);
-    const std::span<const char> words = words_->bytes().subspan(begins_.at(slice.path) + slice.frame * bytes, bytes);
+    const std::span<char> words = words_->bytes().subspan(begins_.at(slice.path) + slice.frame * bytes, bytes);
+    if (dicomIsLossy(slice.file->syntax)) {
+      clamped_ += clampToStored(rule, words);
+      return words;
+    }
     if (!hasOtherBits(rule, words)) return words;
     refuse(source_,
            fmt::format("the packed pixels of {} have more bits than BitsStored, {}", slice.name(), rule.bits_stored),
            "unpack the series in another program");
   }
+  [[nodiscard]] std::size_t clamped() const { return clamped_; }
 
  private:
   const std::string& source_;
+  std::size_t clamped_ = 0;
   std::map<fs::path, std::size_t> begins_;
   std::vector<PackedFile> files_;
   std::vector<std::size_t> sizes_;
@@ -162,22 +169,29 @@ class PackedPixels {
 
 }  // namespace
 
-std::vector<float> readDicomPixels(const DicomSeries& series, const std::vector<DicomValueRule>& rules,
-                                   const std::string& source) {
+DicomPixels readDicomPixels(const DicomSeries& series, const std::vector<DicomValueRule>& rules,
+                            const std::string& source) {
   for (std::size_t n = 0; n < series.size(); ++n) checkPixels(series[n], rules[n], source);
-  const PackedPixels packed(series, rules, source);
+  PackedPixels packed(series, rules, source);
   OwnPixels own(source);
-  const std::size_t pixels = series[0].columns() * series[0].rows();
-  std::vector<float> densities(pixels * series.size());
+  const std::size_t each = series[0].columns() * series[0].rows();
+  DicomPixels pixels;
+  pixels.densities.resize(each * series.size());
+  if (std::any_of(rules.begin(), rules.end(), [](const DicomValueRule& rule) { return rule.padding.has_value(); }))
+    pixels.padding.resize(pixels.densities.size());
   for (std::size_t n = 0; n < series.size(); ++n) {
-    const std::span<float> to = std::span(densities).subspan(n * pixels, pixels);
-    if (unpackedByGdcm(series[n])) {
-      toDensities(rules[n], packed.words(series[n], rules[n]), to);
+    const auto take = [&](std::span<const char> words) {
+      toDensities(rules[n], words, std::span(pixels.densities).subspan(n * each, each));
+      markPadding(rules[n], words, pixels.padding, n * each);
+    };
+    if (series[n].file->unpackedByGdcm()) {
+      take(packed.words(series[n], rules[n]));
     } else {
-      toDensities(rules[n], own.words(series[n], rules[n]), to);
+      take(own.words(series[n], rules[n]));
     }
   }
-  return densities;
+  pixels.clamped = packed.clamped();
+  return pixels;
 }
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "engine/field/memory_budget.hpp"
 #include "engine/files/dicom_folder.hpp"
 #include "engine/files/dicom_geometry.hpp"
+#include "engine/files/dicom_padding.hpp"
 #include "engine/files/dicom_pixels.hpp"
 #include "engine/files/dicom_upright.hpp"
 #include "engine/files/dicom_values.hpp"
@@ -37,7 +39,7 @@ void tellRescale(const Rules& rules, VolumeFacts& facts) {
   const bool alike = std::all_of(rules.begin(), rules.end(), [&](const DicomValueRule& rule) {
     return rule.slope == rules[0].slope && rule.intercept == rules[0].intercept;
   });
-  if (!rules[0].table.empty()) {
+  if (rules[0].table) {
     facts.rescale_in_words = "what the table ModalityLUTSequence gives for the stored value";
   } else if (alike) {
     facts.rescale_slope = rules[0].slope;
@@ -64,12 +66,13 @@ VolumeFacts factsOf(const DicomFolder& all, const std::string& key, const Rules&
 }
 
 // The words of packed files that are held while they are read, for each voxel [byte].
-double packedBytesPerVoxel(const DicomSeries& series, const Rules& rules) {
+double packedBytesPerVoxel(const DicomSeries& series) {
   double bytes = 0;
-  for (std::size_t n = 0; n < series.size(); ++n) {
-    const bool first = n == 0 || series[n].path != series[n - 1].path;
-    if (series[n].file->packed && series[n].file->rle_frames.empty() && first)
-      bytes += static_cast<double>(series[n].frames) * static_cast<double>(rules[n].wordBytes());
+  std::set<const DicomDataSet*> counted;
+  for (const DicomSlice& slice : series) {
+    if (!slice.file->unpackedByGdcm() || !counted.insert(slice.file.get()).second) continue;
+    const double word_bytes = slice.file->root.number(DicomTag::kBitsAllocated, 0) / 8.0;
+    bytes += static_cast<double>(slice.frames) * word_bytes;
   }
   return bytes / static_cast<double>(series.size());
 }
@@ -91,15 +94,30 @@ float valueInstead(const std::vector<float>& values, const VolumeFacts& facts) {
   return lowest;
 }
 
-// Replaces voxels without a value, and tells how many pixels were padding and how many voxels lie outside the slices.
-void fillIn(std::vector<float>& values, std::ptrdiff_t padding, std::size_t pixels, const std::string& tilt,
-            VolumeFacts& facts) {
+void tellPadding(const SettledPadding& padding, std::size_t pixels, VolumeFacts& facts) {
+  if (padding.padded == 0) return;
+  std::string words = fmt::format("{} of {} pixels are padding in the files", padding.padded, pixels);
+  if (padding.kept == padding.padded) {
+    words += " and keep their densities (--nan gives another)";
+  } else if (padding.kept > 0) {
+    words += fmt::format("; {} of these keep their densities, which no other is below", padding.kept);
+  }
+  addRemark(facts, words);
+}
+
+void tellScaleInPart(const DicomValueRule& rule, VolumeFacts& facts) {
+  if (rule.has_slope == rule.has_intercept) return;
+  addRemark(facts, rule.has_slope ? "its files have a RescaleSlope and no RescaleIntercept, which is taken as 0"
+                                  : "its files have a RescaleIntercept and no RescaleSlope, which is taken as 1");
+}
+
+// Replaces voxels without a value, and tells how many they are.
+void fillIn(std::vector<float>& values, VolumeFacts& facts) {
   const std::ptrdiff_t without = countWithout(values);
-  if (without == std::ssize(values))
-    refuse(facts.source, fmt::format("all of its {} pixels are padding (PixelPaddingValue)", pixels),
+  if (without == std::ssize(values)) {
+    refuse(facts.source, "no voxel of the upright volume lies between pixels that are not padding",
            "give another series");
-  if (padding > 0) addRemark(facts, fmt::format("{} of {} pixels are padding in the files", padding, pixels));
-  if (!tilt.empty()) addRemark(facts, tilt);
+  }
   if (without == 0) return;
   const float instead = valueInstead(values, facts);
   std::replace_if(values.begin(), values.end(), isNoValue, instead);
@@ -116,26 +134,28 @@ Volume readDicom(const ReadRequest& wanted) {
   const std::string key = chooseSeries(all, parsed.part, name);
   DicomSeries& series = all.at(key);
   const DicomBlock block = placeSlices(series, name, wanted.resample);
-  const Rules rules = valueRulesOf(series, name);
   const auto count = static_cast<std::int64_t>(series.size());
   UprightBlock upright{block.lattice, static_cast<std::int64_t>(series[0].columns()),
                        static_cast<std::int64_t>(series[0].rows())};
   if (block.tilt > 0) upright = uprightBlockOf(series, block.lattice);
   checkMemory(name, upright.columns, upright.rows, count,
-              packedBytesPerVoxel(series, rules) + (block.tilt > 0 ? kDenseBytesPerVoxel : 0),
-              wanted.memory_budget_bytes);
+              packedBytesPerVoxel(series) + (block.tilt > 0 ? kDenseBytesPerVoxel : 0), wanted.memory_budget_bytes);
+  const Rules rules = valueRulesOf(series, name);
   VolumeFacts facts = factsOf(all, key, rules, name);
   facts.instead_of_nan = wanted.instead_of_nan;
-  std::vector<float> values = readDicomPixels(series, rules, name);
-  const std::size_t pixels = values.size();
-  const std::ptrdiff_t padding = countWithout(values);
-  std::string tilt;
+  DicomPixels pixels = readDicomPixels(series, rules, name);
+  std::vector<float>& values = pixels.densities;
+  tellScaleInPart(rules[0], facts);
+  if (pixels.clamped > 0)
+    addRemark(facts, fmt::format("{} of {} pixels, packed with losses, lay beyond BitsStored and were held within it",
+                                 pixels.clamped, values.size()));
+  tellPadding(settlePadding(values, pixels.padding, !facts.instead_of_nan, name), values.size(), facts);
   if (block.tilt > 0) {
     values = resampledUpright(values, series, upright);
-    tilt = fmt::format("its slices are tilted by {:.3g} degrees and were resampled upright",
-                       block.tilt * kDegreesPerRadian);
+    addRemark(facts, fmt::format("its slices are tilted by {:.3g} degrees and were resampled upright",
+                                 block.tilt * kDegreesPerRadian));
   }
-  fillIn(values, padding, pixels, tilt, facts);
+  fillIn(values, facts);
   const Vec3i size(static_cast<int>(upright.columns), static_cast<int>(upright.rows), static_cast<int>(count));
   return Volume::fromDense(size, upright.lattice, values, std::move(facts));
 }

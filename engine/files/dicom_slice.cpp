@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "engine/field/memory_budget.hpp"
 #include "engine/files/dicom_structure.hpp"
 #include "engine/files/text_header.hpp"
 
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr double kFarthest_mm = 1e9;  // no patient lies farther from any origin
 constexpr double kUnitLength = 0.01;  // of a direction, from 1; less is a file's rounding
+constexpr std::size_t kMostFramesOfFile = std::size_t{64} * kMaxDimension;  // of a file: 64 of the highest volumes
 
 double decimalOf(std::string_view word) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -63,6 +65,7 @@ std::optional<DicomTag> groupOf(DicomTag tag) {
       return DicomTag::kPixelValueTransformationSequence;
     case DicomTag::kStackId:
     case DicomTag::kTemporalPositionIndex:
+    case DicomTag::kDimensionIndexValues:
       return DicomTag::kFrameContentSequence;
     default:
       return {};
@@ -85,6 +88,23 @@ const DicomItem& ownerOf(const DicomSlice& slice, DicomTag tag) {
 
 std::size_t describedFrames(const DicomDataSet& set) {
   return set.root.element(DicomTag::kPerFrameFunctionalGroupsSequence).items.size();
+}
+
+// An object of a class that nobody knows, such as a maker's own. What has a size or a place is a slice that lost its
+// pixels.
+bool isNoImage(const DicomItem& root) {
+  return !root.has(DicomTag::kRows) && !root.has(DicomTag::kColumns) && !root.has(DicomTag::kImagePositionPatient);
+}
+
+// Before there is a DicomSlice for every frame.
+void checkSize(const DicomSlice& slice, const std::string& source) {
+  if (slice.rows() == 0 || slice.columns() == 0) {
+    refuse(source, fmt::format("{} has {} rows of {} columns", slice.name(), slice.rows(), slice.columns()),
+           "copy the series again or take the file away");
+  }
+  if (slice.file->frames <= kMostFramesOfFile) return;
+  refuse(source, fmt::format("{} holds more than {} frames", slice.path.filename().string(), kMostFramesOfFile),
+         "split it in another program");
 }
 
 void checkFrames(const DicomSlice& slice, const std::string& source) {
@@ -110,13 +130,11 @@ std::vector<double> dicomNumbers(const std::string& text) {
 }
 
 std::size_t DicomSlice::columns() const {
-  const std::vector<std::uint32_t>& numbers = file->root.element(DicomTag::kColumns).numbers;
-  return numbers.empty() ? 0 : numbers[0];
+  return file->root.number(DicomTag::kColumns, 0);
 }
 
 std::size_t DicomSlice::rows() const {
-  const std::vector<std::uint32_t>& numbers = file->root.element(DicomTag::kRows).numbers;
-  return numbers.empty() ? 0 : numbers[0];
+  return file->root.number(DicomTag::kRows, 0);
 }
 
 std::string DicomSlice::shortName() const {
@@ -134,16 +152,26 @@ std::string DicomSlice::text(DicomTag tag) const {
 
 std::uint32_t DicomSlice::phase() const {
   constexpr DicomTag kPhase = DicomTag::kTemporalPositionIndex;
-  const std::vector<std::uint32_t>& numbers = ownerOf(*this, kPhase).element(kPhase).numbers;
-  return numbers.empty() ? 0 : numbers[0];
+  return ownerOf(*this, kPhase).number(kPhase, 0);
+}
+
+const std::vector<std::uint32_t>& DicomSlice::dimensionIndices() const {
+  constexpr DicomTag kIndices = DicomTag::kDimensionIndexValues;
+  return ownerOf(*this, kIndices).element(kIndices).numbers;
 }
 
 std::string bytesOfSlice(const fs::path& path, const std::string& source) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw cannotRead(source, "slice " + path.filename().string(), {errno, std::generic_category()});
-  }
-  return {std::istreambuf_iterator<char>(file), {}};
+  const auto cannot = [&] {
+    return cannotRead(source, "slice " + path.filename().string(), {errno, std::generic_category()});
+  };
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) throw cannot();
+  std::string bytes(static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg())), '\0');
+  file.seekg(0);
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (file.bad()) throw cannot();
+  bytes.resize(static_cast<std::size_t>(file.gcount()));  // of a file that somebody made shorter in between
+  return bytes;
 }
 
 DicomSeries slicesOfFile(const fs::path& path, const std::string& source) {
@@ -153,9 +181,12 @@ DicomSeries slicesOfFile(const fs::path& path, const std::string& source) {
   DicomSlice slice;
   slice.path = path;
   if (!set) refuse(source, fmt::format("{} is cut short or damaged", slice.name()), "copy the series again");
-  if (!set->has_pixels && !set->floating)
+  if (!set->has_pixels && !set->floating) {
+    if (isNoImage(set->root)) return {};
     refuse(source, fmt::format("{} has no pixels", slice.name()), "copy the series again or take the file away");
+  }
   slice.file = std::make_shared<const DicomDataSet>(*std::move(set));
+  checkSize(slice, source);
   slice.frames = slice.file->frames;
   // Of frames that are not described nobody knows where they lie: placeSlice refuses them.
   if (describedFrames(*slice.file) != slice.frames) return {slice};

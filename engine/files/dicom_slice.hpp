@@ -22,6 +22,7 @@ struct DicomSlice {
   std::filesystem::path path;
   std::shared_ptr<const DicomDataSet> file;  // shared by its frames
   std::size_t frame = 0, frames = 1;         // which of how many
+  std::string part;  // which volume of its series, in words: " stack A phase 2" (dicom_parts.hpp)
   // Known after placeSlice:
   Vec3 position_mm = Vec3::Zero();                            // of its first pixel
   std::array<Vec3, 2> axes = {Vec3::UnitX(), Vec3::UnitY()};  // unit directions in which columns and rows are counted
@@ -38,6 +39,8 @@ struct DicomSlice {
   [[nodiscard]] std::string text(DicomTag tag) const;
   // TemporalPositionIndex of the frame; 0 if it has none.
   [[nodiscard]] std::uint32_t phase() const;
+  // DimensionIndexValues of the frame, one for each of the file's dimensions.
+  [[nodiscard]] const std::vector<std::uint32_t>& dimensionIndices() const;
 };
 using DicomSeries = std::vector<DicomSlice>;
 

@@ -51,12 +51,15 @@ std::optional<Kind> kindOf(DicomTag tag) {
     case kPixelPaddingValue:
     case kPixelPaddingRangeLimit:
     case kLutDescriptor:
+    case kDimensionIndexPointer:  // the two halves of a tag
       return Kind::kWords;
     case kTemporalPositionIndex:
+    case kDimensionIndexValues:
       return Kind::kLongs;
     case kLutData:
       return Kind::kTable;
     case kFrameContentSequence:
+    case kDimensionIndexSequence:
     case kPlanePositionSequence:
     case kPlaneOrientationSequence:
     case kModalityLutSequence:
@@ -71,6 +74,7 @@ std::optional<Kind> kindOf(DicomTag tag) {
     case kImagePositionPatient:
     case kImageOrientationPatient:
     case kStackId:
+    case kDimensionDescriptionLabel:
     case kPhotometricInterpretation:
     case kNumberOfFrames:
     case kPixelSpacing:
@@ -91,12 +95,18 @@ struct Element {
   std::uint32_t length = 0;
 };
 
-// `names`: the known types in a row, two letters each.
+// `names`: the known ones in a row, two letters each.
 bool isOneOf(std::string_view names, std::string_view type) {
   for (std::size_t n = 0; n < names.size(); n += 3) {
     if (names.substr(n, 2) == type) return true;
   }
   return false;
+}
+
+// `ends`: of the transfer syntaxes, two digits each.
+bool isJpeg(std::string_view syntax, std::string_view ends) {
+  constexpr std::string_view kJpeg = "1.2.840.10008.1.2.4.";
+  return syntax.size() == kJpeg.size() + 2 && syntax.starts_with(kJpeg) && isOneOf(ends, syntax.substr(kJpeg.size()));
 }
 
 class Walk {
@@ -219,10 +229,7 @@ class Walk {
   }
 
   // Of the image; `otherwise` where the file does not say.
-  [[nodiscard]] double said(DicomTag tag, double otherwise) const {
-    const std::vector<std::uint32_t>& numbers = set_.root.element(tag).numbers;
-    return numbers.empty() ? otherwise : numbers[0];
-  }
+  [[nodiscard]] double said(DicomTag tag, std::uint32_t otherwise) const { return set_.root.number(tag, otherwise); }
   // There is at least one frame, one sample and one bit, whatever the file says.
   [[nodiscard]] double frames() const {
     const double number = std::atof(set_.root.text(DicomTag::kNumberOfFrames).c_str());
@@ -232,7 +239,7 @@ class Walk {
   [[nodiscard]] double bits() const { return std::max(1.0, said(DicomTag::kBitsAllocated, 8)); }
   [[nodiscard]] double pixels() const { return said(DicomTag::kRows, 0) * said(DicomTag::kColumns, 0); }
 
-  // Uncompressed pixels must be as many as rows, columns, samples and bits ask for; GDCM takes missing ones for 0.
+  // Uncompressed pixels must be as many as rows, columns, samples and bits ask for: they are read from where they lie.
   // Pixels are the last element, so these numbers are known by then.
   [[nodiscard]] bool pixelsFit(const Element& element) const {
     return static_cast<double>(element.length) * 8 >= pixels() * samples() * frames() * bits();
@@ -342,11 +349,19 @@ bool dicomIsNoImage(std::string_view file) {
   // Waveforms, presentation states, reports, documents.
   for (const std::string_view family : {"9.", "11.", "88.", "104."})
     if (kind.starts_with(family)) return true;
-  // Raw data, registrations, fiducials, surfaces; radiotherapy's structures, plans and treatments. (66.4 is a
+  // Spectra, raw data, registrations, fiducials, surfaces; radiotherapy's structures, plans and treatments. (66.4 is a
   // segmentation, which is an image.)
-  for (const std::string_view one : {"66", "66.1", "66.2", "66.3", "66.5", "481.3", "481.5", "481.8"})
+  for (const std::string_view one : {"4.2", "66", "66.1", "66.2", "66.3", "66.5", "481.3", "481.5", "481.8"})
     if (kind == one) return true;
   return false;
+}
+
+bool dicomIsLossy(std::string_view syntax) {
+  return isJpeg(syntax, "50 51 52 53 55 81 91");
+}
+
+bool gdcmUnpacks(std::string_view syntax) {
+  return isJpeg(syntax, "50 51 52 53 55 57 70 80 81 90 91");
 }
 
 bool dicomIsPlain(std::string_view syntax) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/files/dicom_structure.hpp: whether a DICOM file is complete, and its elements. Private to engine/files.
 //
-// GDCM invents the pixels that a cut file lacks, and allocates whatever memory a damaged length asks for. So the
-// elements of each file are checked first.
+// A cut file lacks pixels, and a damaged length may ask for any memory. So the elements of each file are checked first.
 // Source: DICOM PS3.5, chapter 7 (data set structure) and annex A (transfer syntaxes).
 #pragma once
 
@@ -25,6 +24,12 @@ namespace palpate {
 
 // What is behind the head of a deflated file, unpacked; empty if it is damaged. The offsets of its data set count here.
 [[nodiscard]] std::optional<std::string> inflatedDicom(std::string_view file);
+
+// Whether GDCM unpacks this transfer syntax: JPEG, JPEG-LS or JPEG 2000. Others, such as videos, nobody does.
+[[nodiscard]] bool gdcmUnpacks(std::string_view syntax);
+
+// Whether what is unpacked may differ from what was packed (PS3.5, 8.2): beyond the stored bits, too.
+[[nodiscard]] bool dicomIsLossy(std::string_view syntax);
 
 // Whether pixels are plain bytes in this transfer syntax; in every other one they are packed.
 [[nodiscard]] bool dicomIsPlain(std::string_view syntax);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -15,18 +16,12 @@ namespace {
 
 constexpr const char* kCopyAgain = "copy the series again";
 
-// Number `n` of an element; `otherwise` if there is none.
-std::uint32_t numberOf(const DicomSlice& slice, DicomTag tag, std::uint32_t otherwise, std::size_t n = 0) {
-  const std::vector<std::uint32_t>& numbers = slice.file->root.element(tag).numbers;
-  return n < numbers.size() ? numbers[n] : otherwise;
-}
-
 void checkGrey(const DicomSlice& slice, const std::string& source) {
   if (slice.file->floating) {
     refuse(source, fmt::format("the pixels of {} are floating-point numbers (FloatPixelData)", slice.name()),
            "convert the series to NIfTI or NRRD");
   }
-  const std::uint32_t samples = numberOf(slice, DicomTag::kSamplesPerPixel, 1);
+  const std::uint32_t samples = slice.file->root.number(DicomTag::kSamplesPerPixel, 1);
   if (samples > 1)
     refuseComponents(source, Components::kColours, samples, fmt::format("the pixels of {}", slice.name()));
   const std::string meaning = slice.file->root.text(DicomTag::kPhotometricInterpretation);
@@ -63,13 +58,8 @@ std::optional<double> scaleOf(const DicomSlice& slice, DicomTag tag, const char*
 void readScale(DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
   const auto slope = scaleOf(slice, DicomTag::kRescaleSlope, "RescaleSlope", source);
   const auto intercept = scaleOf(slice, DicomTag::kRescaleIntercept, "RescaleIntercept", source);
-  if (slope.has_value() != intercept.has_value()) {
-    refuse(source,
-           fmt::format("{} has a {} and no {}", slice.name(), slope ? "RescaleSlope" : "RescaleIntercept",
-                       slope ? "RescaleIntercept" : "RescaleSlope"),
-           "write both into every slice, or none");
-  }
-  rule.scaled = slope.has_value();
+  rule.has_slope = slope.has_value();
+  rule.has_intercept = intercept.has_value();
   rule.slope = slope.value_or(1);
   rule.intercept = intercept.value_or(0);
 }
@@ -95,7 +85,7 @@ class ModalityTable {
     }
     const std::uint32_t bits = descriptor.numbers[2];
     if (bits < 8 || bits > 16) refuseTable(fmt::format("has entries of {} bits", bits));
-    rule.table = entriesOf(entries, bits);
+    rule.table = std::make_shared<const std::vector<std::uint16_t>>(entriesOf(entries, bits));
   }
 
  private:
@@ -134,9 +124,10 @@ void readTable(DicomValueRule& rule, const DicomSlice& slice, const std::string&
     refuse(source, fmt::format("{} has {} tables in ModalityLUTSequence", slice.name(), items.size()),
            "convert the series in another program");
   }
-  if (!slice.text(DicomTag::kRescaleSlope).empty()) {
+  if (rule.has_slope || rule.has_intercept) {
     refuse(source,
-           fmt::format("{} has a RescaleSlope and a ModalityLUTSequence, which exclude each other", slice.name()),
+           fmt::format("{} has a {} and a ModalityLUTSequence, which exclude each other", slice.name(),
+                       rule.has_slope ? "RescaleSlope" : "RescaleIntercept"),
            "convert the series in another program");
   }
   ModalityTable(slice, items[0], source).read(rule);
@@ -152,16 +143,6 @@ std::optional<std::int64_t> paddingNumber(const DicomSlice& slice, DicomTag tag,
   return is_signed ? asSigned16(numbers[0]) : numbers[0];
 }
 
-void readPadding(DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
-  const auto value = paddingNumber(slice, DicomTag::kPixelPaddingValue, "PixelPaddingValue", rule.is_signed, source);
-  const auto limit =
-      paddingNumber(slice, DicomTag::kPixelPaddingRangeLimit, "PixelPaddingRangeLimit", rule.is_signed, source);
-  if (limit && !value) {
-    refuse(source, fmt::format("{} has a PixelPaddingRangeLimit and no PixelPaddingValue", slice.name()), kCopyAgain);
-  }
-  if (value) rule.padding = {std::min(*value, limit.value_or(*value)), std::max(*value, limit.value_or(*value))};
-}
-
 // The stored value of a word.
 class Stored {
  public:
@@ -169,16 +150,38 @@ class Stored {
       : shift_(rule.high_bit + 1 - rule.bits_stored),
         mask_((std::int64_t{1} << rule.bits_stored) - 1),
         sign_(rule.is_signed ? std::int64_t{1} << (rule.bits_stored - 1) : 0) {}
+  // Of the whole word, as if all its bits were stored.
+  static Stored wholeWord(DicomValueRule rule) {
+    rule.bits_stored = rule.bits_allocated;
+    rule.high_bit = rule.bits_allocated - 1;
+    return Stored(rule);
+  }
 
   [[nodiscard]] std::int64_t of(std::uint32_t word) const {
     const std::int64_t value = (std::int64_t{word} >> shift_) & mask_;
     return (value ^ sign_) - sign_;  // a set sign bit stands for minus its place
   }
+  [[nodiscard]] std::int64_t lowest() const { return -sign_; }
+  [[nodiscard]] std::int64_t highest() const { return mask_ - sign_; }
 
  private:
   std::uint32_t shift_;
   std::int64_t mask_, sign_;
 };
+
+// A number that the stored bits cannot hold, such as -2000 in 12 bits, was written into whole words.
+void readPadding(DicomValueRule& rule, const DicomSlice& slice, const std::string& source) {
+  const auto value = paddingNumber(slice, DicomTag::kPixelPaddingValue, "PixelPaddingValue", rule.is_signed, source);
+  const auto limit =
+      paddingNumber(slice, DicomTag::kPixelPaddingRangeLimit, "PixelPaddingRangeLimit", rule.is_signed, source);
+  if (limit && !value) {
+    refuse(source, fmt::format("{} has a PixelPaddingRangeLimit and no PixelPaddingValue", slice.name()), kCopyAgain);
+  }
+  if (!value) return;
+  rule.padding = {std::min(*value, limit.value_or(*value)), std::max(*value, limit.value_or(*value))};
+  const Stored stored(rule);
+  rule.padding_is_word = rule.padding->lowest < stored.lowest() || rule.padding->highest > stored.highest();
+}
 
 // Calls `work(n, word)` for every word.
 template <class Work>
@@ -194,25 +197,35 @@ void forEachWord(const DicomValueRule& rule, std::span<const char> words, const 
   each(std::uint32_t{});
 }
 
-}  // namespace
-
-DicomValueRule valueRuleOf(const DicomSlice& slice, const std::string& source) {
+// All but the table, which all frames of a file share.
+DicomValueRule ruleOfFrame(const DicomSlice& slice, const std::string& source) {
   checkGrey(slice, source);
+  const DicomItem& root = slice.file->root;
   DicomValueRule rule;
-  rule.bits_allocated = numberOf(slice, DicomTag::kBitsAllocated, 0);
-  rule.bits_stored = numberOf(slice, DicomTag::kBitsStored, rule.bits_allocated);
-  rule.high_bit = numberOf(slice, DicomTag::kHighBit, rule.bits_stored - 1);
-  const std::uint32_t representation = numberOf(slice, DicomTag::kPixelRepresentation, 0);
+  rule.bits_allocated = root.number(DicomTag::kBitsAllocated, 0);
+  rule.bits_stored = root.number(DicomTag::kBitsStored, rule.bits_allocated);
+  rule.high_bit = root.number(DicomTag::kHighBit, rule.bits_stored - 1);
+  const std::uint32_t representation = root.number(DicomTag::kPixelRepresentation, 0);
   if (representation > 1)
     refuse(source, fmt::format("the PixelRepresentation {} of {} is not 0 or 1", representation, slice.name()),
            kCopyAgain);
   rule.is_signed = representation == 1;
   checkBits(rule, slice, source);
   readScale(rule, slice, source);
-  readTable(rule, slice, source);
   readPadding(rule, slice, source);
   return rule;
 }
+
+// Whether the stored value alone makes this word: with its sign in the bits above, or with zeros there.
+bool isOwnWord(const DicomValueRule& rule, const Stored& stored, std::uint32_t word) {
+  const std::uint32_t whole = static_cast<std::uint32_t>((std::uint64_t{1} << rule.bits_allocated) - 1);
+  const std::uint32_t low = rule.high_bit + 1 - rule.bits_stored;
+  const auto extended = static_cast<std::uint32_t>(stored.of(word)) << low & whole;
+  const std::uint32_t cleared = extended & static_cast<std::uint32_t>((std::uint64_t{1} << (rule.high_bit + 1)) - 1);
+  return word == extended || word == cleared;
+}
+
+}  // namespace
 
 std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::string& source) {
   std::vector<DicomValueRule> rules;
@@ -223,39 +236,72 @@ std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::s
                        (here ? series[0] : slice).name()),
            "keep one scan in a folder");
   };
+  std::map<const DicomDataSet*, DicomValueRule> of_file;
   for (const DicomSlice& slice : series) {
-    rules.push_back(valueRuleOf(slice, source));
-    check(slice, rules.back().scaled, rules[0].scaled, "RescaleSlope");
-    check(slice, !rules.back().table.empty(), !rules[0].table.empty(), "ModalityLUTSequence");
+    rules.push_back(ruleOfFrame(slice, source));
+    DicomValueRule& rule = rules.back();
+    const auto [first, is_new] = of_file.try_emplace(slice.file.get(), rule);
+    if (is_new) readTable(first->second, slice, source);
+    rule.table = first->second.table;
+    rule.first_mapped = first->second.first_mapped;
+    check(slice, rule.has_slope, rules[0].has_slope, "RescaleSlope");
+    check(slice, rule.has_intercept, rules[0].has_intercept, "RescaleIntercept");
+    check(slice, rule.table != nullptr, rules[0].table != nullptr, "ModalityLUTSequence");
   }
   return rules;
 }
 
 bool hasOtherBits(const DicomValueRule& rule, std::span<const char> words) {
   const Stored stored(rule);
-  const std::uint32_t whole = static_cast<std::uint32_t>((std::uint64_t{1} << rule.bits_allocated) - 1);
-  const std::uint32_t low = rule.high_bit + 1 - rule.bits_stored;
   bool other = false;
-  forEachWord(rule, words, [&](std::size_t, std::uint32_t word) {
-    const auto extended = static_cast<std::uint32_t>(stored.of(word)) << low & whole;
-    const std::uint32_t cleared = extended & static_cast<std::uint32_t>((std::uint64_t{1} << (rule.high_bit + 1)) - 1);
-    other = other || (word != extended && word != cleared);
-  });
+  forEachWord(rule, words, [&](std::size_t, std::uint32_t word) { other = other || !isOwnWord(rule, stored, word); });
   return other;
+}
+
+// Signed words come with their sign in all bits above, or with zeros there. Words of the latter kind that the stored
+// bits do not hold cannot be told from negative ones, so a frame without negative words is left as it is up to the
+// mask.
+std::size_t clampToStored(const DicomValueRule& rule, std::span<char> words) {
+  const Stored stored(rule);
+  const Stored whole = Stored::wholeWord(rule);
+  bool extended = !rule.is_signed;
+  forEachWord(rule, words, [&](std::size_t, std::uint32_t word) { extended = extended || whole.of(word) < 0; });
+  std::size_t clamped = 0;
+  forEachWord(rule, words, [&](std::size_t n, std::uint32_t word) {
+    if (!extended && isOwnWord(rule, stored, word)) return;
+    const std::int64_t value = whole.of(word);
+    const std::int64_t within = std::clamp(value, stored.lowest(), stored.highest());
+    if (value == within) return;
+    const auto bits = static_cast<std::uint64_t>(within);
+    for (std::size_t byte = 0; byte < rule.wordBytes(); ++byte) {
+      const std::size_t place = std::endian::native == std::endian::little ? byte : rule.wordBytes() - 1 - byte;
+      words[n * rule.wordBytes() + place] = static_cast<char>(bits >> 8U * byte & 0xffU);
+    }
+    ++clamped;
+  });
+  return clamped;
 }
 
 void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities) {
   const Stored stored(rule);
-  const auto last = static_cast<std::int64_t>(rule.table.size()) - 1;
+  const auto last = rule.table ? static_cast<std::int64_t>(rule.table->size()) - 1 : 0;
   forEachWord(rule, words, [&](std::size_t n, std::uint32_t word) {
     const std::int64_t value = stored.of(word);
-    if (rule.padding && value >= rule.padding->lowest && value <= rule.padding->highest) {
-      densities[n] = noValue();
-    } else if (!rule.table.empty()) {
-      densities[n] = rule.table[static_cast<std::size_t>(std::clamp<std::int64_t>(value - rule.first_mapped, 0, last))];
-    } else {
-      densities[n] = floatOf(static_cast<double>(value) * rule.slope + rule.intercept);
-    }
+    densities[n] =
+        rule.table
+            ? static_cast<float>(
+                  (*rule.table)[static_cast<std::size_t>(std::clamp<std::int64_t>(value - rule.first_mapped, 0, last))])
+            : floatOf(static_cast<double>(value) * rule.slope + rule.intercept);
+  });
+}
+
+void markPadding(const DicomValueRule& rule, std::span<const char> words, std::vector<bool>& padding,
+                 std::size_t first) {
+  if (!rule.padding) return;
+  const Stored stored = rule.padding_is_word ? Stored::wholeWord(rule) : Stored(rule);
+  forEachWord(rule, words, [&](std::size_t n, std::uint32_t word) {
+    const std::int64_t value = stored.of(word);
+    if (value >= rule.padding->lowest && value <= rule.padding->highest) padding[first + n] = true;
   });
 }
 

@@ -13,6 +13,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,15 +29,16 @@ struct DicomValueRule {
   std::uint32_t bits_stored = 16;
   std::uint32_t high_bit = 15;
   bool is_signed = false;
-  bool scaled = false;  // the file states slope and intercept
+  bool has_slope = false, has_intercept = false;  // the file states them
   double slope = 1;
   double intercept = 0;
-  std::vector<std::uint16_t> table;  // in place of slope and intercept; empty: no table
-  std::int64_t first_mapped = 0;     // the stored value to which the table's first entry belongs
+  std::shared_ptr<const std::vector<std::uint16_t>> table;  // in place of slope and intercept; null: no table
+  std::int64_t first_mapped = 0;                            // the stored value to which the table's first entry belongs
   struct Range {
     std::int64_t lowest = 0, highest = 0;
   };
-  std::optional<Range> padding;  // stored values that mark pixels outside the image
+  std::optional<Range> padding;  // values that mark pixels outside the image
+  bool padding_is_word = false;  // they are those of whole words; otherwise stored values
 
   [[nodiscard]] std::size_t wordBytes() const noexcept { return bits_allocated / 8; }
 };
@@ -50,21 +52,27 @@ inline constexpr std::uint32_t kNoValueBits = 0x7fd0'0a1d;
   return std::bit_cast<std::uint32_t>(value) == kNoValueBits;
 }
 
-// The rule that a slice's file states. Throws Error(kBadInput) for colours, palettes and floating-point pixels; for
-// words of other than 8, 16 or 32 bits, and bits that do not lie in them; for a slope or intercept that is not one
-// finite number, a slope of 0, one of the two without the other; for a modality table beside them, of several items,
-// with other than 8 to 16 bits, or with other than the entries that it announces; and for padding that is not one
-// number.
-[[nodiscard]] DicomValueRule valueRuleOf(const DicomSlice& slice, const std::string& source);
-
-// One rule for each slice. Throws as valueRuleOf() does, and if only some slices are scaled, or only some have a table.
+// One rule for each slice; frames of one file share its table. Throws Error(kBadInput) for colours, palettes and
+// floating-point pixels; for words of other than 8, 16 or 32 bits, and bits that do not lie in them; for a slope or
+// intercept that is not one finite number, a slope of 0; for a modality table beside them, of several items, with other
+// than 8 to 16 bits, or with other than the entries that it announces; for padding that is not one number; and if only
+// some slices have a slope, an intercept or a table. A slope without an intercept has the intercept 0, an intercept
+// without a slope the slope 1.
 [[nodiscard]] std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::string& source);
 
 // Whether some bit outside the stored ones is set, other than by the sign. Words are in the machine's byte order.
 [[nodiscard]] bool hasOtherBits(const DicomValueRule& rule, std::span<const char> words);
 
-// `words` in the machine's byte order, one for each of `densities`. Padding becomes noValue(), what is too large for a
-// float becomes beyondFloat() (engine/field/finite_values.hpp).
+// What a lossy coding put beyond the stored bits becomes the nearest value that they hold. Returns the number of these
+// words. The stored bits are the lowest of a word.
+std::size_t clampToStored(const DicomValueRule& rule, std::span<char> words);
+
+// `words` in the machine's byte order, one for each of `densities`. What is too large for a float becomes beyondFloat()
+// (engine/field/finite_values.hpp). Padding is not looked at.
 void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities);
+
+// Sets padding[first + n] for every word n that is padding.
+void markPadding(const DicomValueRule& rule, std::span<const char> words, std::vector<bool>& padding,
+                 std::size_t first);
 
 }  // namespace palpate

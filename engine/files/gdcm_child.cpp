@@ -47,32 +47,48 @@ class Printed {
   int file_;
 };
 
-ChildLimits limitsFor(const std::vector<PackedFile>& files, const std::string& source) {
+// Whatever the files are, the child has what the largest of them needs.
+ChildLimits largestLimits(const std::vector<PackedFile>& files, const std::string& source) {
   double largest_file = 0;
   double most_words = 0;
   for (const PackedFile& file : files) {
     largest_file = std::max(largest_file, static_cast<double>(fileBytes(file.path.string(), source)));
     most_words = std::max(most_words, static_cast<double>(file.words.size()));
   }
-  return limitsForFile(largest_file, 2 * most_words);  // GDCM holds them once, and what it makes them from
+  return limitsForPacked(largest_file, most_words);
 }
 
 }  // namespace
 
+// A codec holds an image as 32-bit numbers beside its words and the words of the frame that it unpacks: 6 times the
+// words at most, if these are of 16 bits. A file of a few bytes may hold many words, and each takes its time.
+ChildLimits limitsForPacked(double file_bytes, double word_bytes) {
+  return limitsForFile(file_bytes + word_bytes, 4 * word_bytes);
+}
+
+void refuseTrouble(const ChildTrouble& trouble, const std::string& name, const std::string& source) {
+  using Kind = ChildTrouble::Kind;
+  if (trouble.error) throw Error(*trouble.error);
+  if (trouble.kind == Kind::kMemory || trouble.kind == Kind::kTooLong) {
+    throw Error(trouble.kind == Kind::kMemory ? Error::Code::kOutOfMemory : Error::Code::kBadInput, source,
+                fmt::format("{} cannot be unpacked ({})", name, trouble.words),
+                trouble.kind == Kind::kMemory ? "free memory, or unpack the series in another program"
+                                              : "unpack the series in another program");
+  }
+  refuse(source, fmt::format("{} is damaged ({})", name, trouble.words), "copy the series again");
+}
+
 void unpackDicom(const std::vector<PackedFile>& files, const std::string& source) {
   const GdcmModule& gdcm = loadModule<GdcmModule>();  // here: it is not to be loaded after a fork
   const auto name = [&](std::size_t n) { return "slice " + files[n].path.filename().string(); };
-  const ChildOutcome outcome = runInChild(source, files.size(), limitsFor(files, source), [&](std::size_t n) {
+  const ChildOutcome outcome = runInChild(source, files.size(), largestLimits(files, source), [&](std::size_t n) {
     checkOpens(files[n].path.string(), source, name(n));  // GDCM would call a file damaged that it merely cannot open
     const Printed printed;
     gdcm.unpack(files[n].path.string(), files[n].bits_allocated, files[n].words);
     if (const std::string words = printed.complaint(); !words.empty()) throw std::runtime_error(words);
     return std::string();
   });
-  if (!outcome.trouble) return;
-  if (outcome.trouble->error) throw Error(*outcome.trouble->error);
-  refuse(source, fmt::format("{} is damaged ({})", name(outcome.results.size()), outcome.trouble->words),
-         "copy the series again");
+  if (outcome.trouble) refuseTrouble(*outcome.trouble, name(outcome.results.size()), source);
 }
 
 }  // namespace palpate

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "base/child_process.hpp"
+
 namespace palpate {
 
 struct PackedFile {
@@ -20,7 +22,14 @@ struct PackedFile {
 };
 
 // Throws Error(kBadInput) that names the first file which GDCM cannot unpack, crashes on or takes too long over;
-// Error(kIo) for one that cannot be opened.
+// Error(kOutOfMemory) for one that needs more than its limit, or than there is; Error(kIo) for one that cannot be
+// opened.
 void unpackDicom(const std::vector<PackedFile>& files, const std::string& source);
+
+// What the child may take for a file of `file_bytes` whose frames unpack to `word_bytes` together.
+[[nodiscard]] ChildLimits limitsForPacked(double file_bytes, double word_bytes);
+
+// Throws as unpackDicom() does. Only what is neither memory nor time speaks of damage.
+[[noreturn]] void refuseTrouble(const ChildTrouble& trouble, const std::string& name, const std::string& source);
 
 }  // namespace palpate

@@ -12,8 +12,8 @@ struct GdcmModule {
   static constexpr const char* kModule = "gdcm";
   static constexpr const char* kTable = "palpate_gdcm";
   // Fills `words` with the stored words of all frames of a file, of `bits_allocated` each, in the machine's byte order.
-  // Throws std::runtime_error with words for a message if GDCM cannot, or finds other words than so many. While it
-  // runs, std::cerr and std::cout are caught.
+  // Packed words that are narrower are widened, with their sign. Throws std::runtime_error with words for a message
+  // if GDCM cannot, or finds wider words or another number of them. While it runs, std::cerr and std::cout are caught.
   void (*unpack)(const std::string& path, unsigned bits_allocated, std::span<char> words);
 };
 

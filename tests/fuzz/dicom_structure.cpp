@@ -21,13 +21,10 @@ bool mayBePadded(std::string_view file) {
 void checkPixels(const DicomDataSet& set, std::string_view file) {
   if (set.deflated) return;
   fuzz::require(set.pixel_offset <= file.size(), "its pixels lie behind its end");
-  const auto number = [&](DicomTag tag, std::uint32_t otherwise) {
-    const std::vector<std::uint32_t>& numbers = set.root.element(tag).numbers;
-    return numbers.empty() ? otherwise : numbers[0];
-  };
-  const std::size_t word_bytes = (number(DicomTag::kBitsAllocated, 8) + 7) / 8;
-  const std::size_t bytes = std::size_t{number(DicomTag::kRows, 0)} * number(DicomTag::kColumns, 0) * word_bytes;
-  const bool one_sample = number(DicomTag::kSamplesPerPixel, 1) <= 1;
+  const std::size_t word_bytes = (set.root.number(DicomTag::kBitsAllocated, 8) + 7) / 8;
+  const std::size_t bytes =
+      std::size_t{set.root.number(DicomTag::kRows, 0)} * set.root.number(DicomTag::kColumns, 0) * word_bytes;
+  const bool one_sample = set.root.number(DicomTag::kSamplesPerPixel, 1) <= 1;
   for (const DicomDataSet::Fragment& frame : set.rle_frames) {
     fuzz::require(frame.offset <= file.size() && frame.bytes <= file.size() - frame.offset, "a frame lies outside");
     if (!one_sample || word_bytes == 0 || word_bytes > 15 || bytes > std::size_t{1} << 24U) continue;

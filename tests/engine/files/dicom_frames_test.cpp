@@ -2,6 +2,7 @@
 // DICOM files of many frames (PS3.3, C.7.6.16): what the frames share, and what each has for itself.
 #include <fmt/format.h>
 
+#include "engine/files/dicom_values.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/dicom_writer.hpp"
 #include "tests/engine/files/packed_dicom.hpp"
@@ -121,9 +122,131 @@ TEST_F(DicomFrames, OfSeveralStacksAndPhasesMustBeChosen) {
   EXPECT_EQ(loadVolume(folder_.path()).facts().part, "series 1.2.3.4.5");
 }
 
+TEST_F(DicomFrames, OfSeveralVolumesAreListedByTheUidOfTheirSeries) {
+  WrittenItem set = scanAt({0, 2, 0, 2});
+  auto& frames = set[0x52009230].items;
+  for (std::size_t n = 0; n < frames.size(); ++n) addFrameContent(frames[n], "A", n < 2 ? 1 : 2);
+  write(set);
+  WrittenItem other = scanAt({0, 2});
+  other[0x0020000e] = textOf("UI", "1.2.3.4");  // its UID begins as that of the other, and is another
+  writeFile(folder_.file("other.dcm"), DicomWriter(kLittleEndianDicom).file(other));
+  expectLoadRefusal(folder_.path() + "#1.2.3.4.5",
+                    "the series 1.2.3.4.5 holds several volumes; choose one of 2: 1.2.3.4.5/0001 stack A phase 1 (2 "
+                    "slices), 3: 1.2.3.4.5/0002 stack A phase 2 (2 slices)");
+  EXPECT_EQ(firsts(loadVolume(folder_.path() + "#1.2.3.4")), (Floats{0, 10}));
+}
+
+// Dimensions of a scan (PS3.3, C.7.6.17): what each counts, and how the file calls it.
+void addDimensions(WrittenItem& set, const std::vector<std::pair<std::uint32_t, std::string>>& dimensions) {
+  std::vector<WrittenItem> items;
+  for (const auto& [pointer, label] : dimensions) {
+    WrittenItem item;
+    item[0x00209165] = numbersOf("AT", {pointer >> 16U, pointer & 0xffffU});
+    if (!label.empty()) item[0x00209421] = textOf("LO", label);
+    items.push_back(item);
+  }
+  set[0x00209222] = itemsOf(items);
+}
+void addIndices(WrittenItem& groups, const std::vector<std::int64_t>& indices) {
+  groups[0x00209111] = itemsOf({{{0x00209157, numbersOf("UL", indices, 4)}}});
+}
+
+// Two echoes of two directions at two places. A dimension that counts places, or that goes with them, divides nothing.
+TEST_F(DicomFrames, ThatLieAtOnePlaceAreDividedByTheirDimensions) {
+  for (const char* syntax : {kLittleEndianDicom, kBigEndianDicom, kImplicitDicom}) {
+    SCOPED_TRACE(syntax);
+    WrittenItem set = scanAt({0, 2, 0, 2, 0, 2, 0, 2});
+    addDimensions(set, {{0x00200032, "place"}, {0x00189082, "echo"}, {0x00189076, ""}, {0x00181060, "trigger time"}});
+    auto& frames = set[0x52009230].items;
+    for (std::int64_t n = 0; n < 8; ++n)
+      addIndices(frames[static_cast<std::size_t>(n)], {n % 2 + 1, n / 2 % 2 + 1, n / 4 + 1, n % 2 + 1});
+    write(set, syntax);
+    refuses(
+        "the folder holds 4 series: 1: 1.2.3.4.5/0001 echo 1 (0018,9076) 1 (2 slices), 2: 1.2.3.4.5/0002 echo 1 "
+        "(0018,9076) 2 (2 slices), 3: 1.2.3.4.5/0003 echo 2 (0018,9076) 1 (2 slices), 4: 1.2.3.4.5/0004 echo 2 "
+        "(0018,9076) 2 (2 slices); choose one");
+    EXPECT_EQ(firsts(loadVolume(folder_.path() + "#1")), (Floats{0, 10}));
+    EXPECT_EQ(firsts(loadVolume(folder_.path() + "#2")), (Floats{40, 50}));
+    EXPECT_EQ(firsts(loadVolume(folder_.path() + "#3")), (Floats{20, 30}));
+    EXPECT_EQ(firsts(loadVolume(folder_.path() + "#1.2.3.4.5/0004")), (Floats{60, 70}));
+    EXPECT_EQ(loadVolume(folder_.path() + "#3").facts().part, "series 3 of 4: 1.2.3.4.5/0003 echo 2 (0018,9076) 1");
+  }
+}
+
+// Dimensions that differ from place to place are no reason: the frames are one volume, as they lie.
+TEST_F(DicomFrames, ThatLieApartAreNotDividedByDimensions) {
+  WrittenItem set = scanAt({0, 2, 4, 6});
+  addDimensions(set, {{0x00189082, "echo"}, {0x00181060, "trigger time"}});
+  auto& frames = set[0x52009230].items;
+  for (std::int64_t n = 0; n < 4; ++n) addIndices(frames[static_cast<std::size_t>(n)], {n / 2 + 1, n + 1});
+  write(set);
+  EXPECT_EQ(firsts(loadVolume(folder_.path())), (Floats{0, 10, 20, 30}));
+  EXPECT_EQ(loadVolume(folder_.path()).facts().part, "series 1.2.3.4.5");
+}
+
+// Indices of another number than there are dimensions say nothing.
+TEST_F(DicomFrames, WithIndicesThatFitNoDimensionsAreRefusedAsTheyLie) {
+  for (const std::vector<std::int64_t>& indices : {std::vector<std::int64_t>{}, {1}, {1, 2, 3}}) {
+    WrittenItem set = scanAt({0, 0, 2, 2});
+    addDimensions(set, {{0x00200032, "place"}, {0x00189082, "echo"}});
+    auto& frames = set[0x52009230].items;
+    for (std::int64_t n = 0; n < 4; ++n) addIndices(frames[static_cast<std::size_t>(n)], {n / 2 + 1, n % 2 + 1});
+    addIndices(frames[1], indices);
+    write(set);
+    refuses("frame 1 of scan.dcm and frame 2 of scan.dcm lie at one place");
+  }
+}
+
+TEST_F(DicomFrames, OfOneFileShareItsTable) {
+  WrittenItem set = scanAt({0, 2, 4});
+  const auto with = [&](std::int64_t entry) {
+    set[0x00283000] = itemsOf({{{0x00283002, numbersOf("SS", {2, 0, 16})}, {0x00283006, numbersOf("OW", {7, entry})}}});
+    return DicomWriter(kLittleEndianDicom).file(set);
+  };
+  const std::string path = folder_.file("scan.dcm");
+  writeFile(path, with(9));
+  DicomSeries series = slicesOfFile(path, "source");
+  writeFile(path, with(11));
+  for (DicomSlice& slice : slicesOfFile(path, "source")) series.push_back(slice);
+  const std::vector<DicomValueRule> rules = valueRulesOf(series, "source");
+  ASSERT_EQ(rules.size(), 6U);
+  for (std::size_t n = 0; n < 6; ++n) {
+    EXPECT_EQ(rules[n].table, rules[n / 3 * 3].table);  // the same object
+    EXPECT_EQ(rules[n].table->at(1), n < 3 ? 9 : 11);
+  }
+}
+
+// Words of packed files are held while they are read: each file's once, however its slices lie among those of others.
+TEST_F(DicomFrames, OfPackedFilesCountOnceForMemory) {
+  WrittenElement pixels = textOf("OB", "");
+  WrittenImage image;
+  image.rows = image.columns = 16;
+  image.words = std::vector<std::int64_t>(256, 5);
+  WrittenItem slice = imageSet(image);
+  placeAt(slice, "0\\0\\0");
+  const std::string packed = packedDicom(DicomWriter(kLittleEndianDicom).file(slice), DicomPacking::kJpegLs);
+  const Fragment at = fragmentOf(packed);
+  for (int n = 0; n < 8; ++n) pixels.fragments.push_back(packed.substr(at.first, at.end - at.first));
+  for (int file = 0; file < 2; ++file) {
+    std::vector<double> z_mm;
+    for (int n = 0; n < 8; ++n) z_mm.push_back(2 * n + file);
+    WrittenItem set = scanAt(z_mm);
+    set[0x00280010] = set[0x00280011] = numbersOf("US", {16});
+    set[0x7fe00010] = pixels;
+    writeFile(folder_.file(fmt::format("f{}.dcm", file)), DicomWriter("1.2.840.10008.1.2.4.80").file(set));
+  }
+  // 4096 voxels of 2 bytes of words, 4 of floats, 4.2 of the grid and 8 on the GPU. Counted with every change from one
+  // file to the other, words would take 2 x 8 bytes a voxel.
+  EXPECT_EQ(loadVolume(folder_.path(), 4096 * 19).size(), Vec3i(16, 16, 16));
+  expectRefusal([&] { static_cast<void>(loadVolume(folder_.path(), 4096 * 18)); }, folder_.path(), "GiB",
+                Error::Code::kOutOfMemory);
+}
+
 TEST_F(DicomFrames, AreRefusedAsSlicesAre) {
-  write(scanAt({0, 2, 2, 4}));  // two echoes, say, without a stack or a phase
-  refuses("slices frame 2 of scan.dcm and frame 3 of scan.dcm lie at one place; keep one time point or echo");
+  write(scanAt({0, 2, 2, 4}));  // two echoes, say, that the file does not tell apart
+  refuses(
+      "slices frame 2 of scan.dcm and frame 3 of scan.dcm lie at one place; write each time point or echo into files "
+      "of its own, in another program");
   write(scanAt({0, 2, 6, 8}));
   refuses("1 slice is missing between frame 2 of scan.dcm and frame 3 of scan.dcm");
   write(scanAt({0, 2, 4.5, 6.5}));

@@ -243,9 +243,51 @@ TEST_F(Dicom, PassesOverObjectsThatAreNoImages) {
     writeFile(folder_.file(name), head + dicomElement(8, 0x0016, "UI", object_class));
   }
   EXPECT_EQ(loadVolume(folder_.path()).toDense(), alone.toDense());
+  // Nor is what has neither pixels nor a size nor a place, whatever its class: a maker's own, spectra.
+  writeFile(folder_.file("own.dcm"), dicomHead(fields) + dicomElement(8, 0x0016, "UI", "1.2.3.4.5.6.7"));
+  EXPECT_EQ(loadVolume(folder_.path()).toDense(), alone.toDense());
   // A slice of CT that lost its pixels is no such object.
-  writeFile(folder_.file("cut.dcm"), dicomHead(fields) + dicomElement(8, 0x0016, "UI", ct));
-  refuses("slice cut.dcm");
+  const std::string us = bytesOf<std::uint16_t>({4});
+  for (const std::string& rest : {dicomElement(0x20, 0x0032, "DS", "0\\0\\2"), dicomElement(0x28, 0x0010, "US", us),
+                                  dicomElement(0x28, 0x0011, "US", us)}) {
+    writeFile(folder_.file("cut.dcm"), dicomHead(fields) + dicomElement(8, 0x0016, "UI", ct) + rest);
+    refuses("slice cut.dcm has no pixels; copy the series again or take the file away");
+  }
+}
+
+// Spectra have rows and columns, and no pixels.
+TEST_F(Dicom, PassesOverSpectra) {
+  writeSeries({}, {0, 2, 4});
+  const std::string ct = dicomElement(2, 0x0002, "UI", "1.2.840.10008.5.1.4.1.1.2");
+  const std::string spectra = "1.2.840.10008.5.1.4.1.1.4.2";
+  std::string file = dicomHead({});
+  file.replace(file.find(ct), ct.size(), dicomElement(2, 0x0002, "UI", spectra));
+  const std::string us = bytesOf<std::uint16_t>({4});
+  writeFile(folder_.file("x.dcm"), file + dicomElement(8, 0x0016, "UI", spectra) +
+                                       dicomElement(0x28, 0x0010, "US", us) + dicomElement(0x28, 0x0011, "US", us));
+  EXPECT_EQ(loadVolume(folder_.path()).size().z(), 3);
+}
+
+// A table of a million empty frames takes a few bytes each, and would become slices before anything is counted.
+TEST_F(Dicom, RefusesSizesOfZeroAndMoreFramesThanAnyScan) {
+  for (const auto& [rows, columns] : {std::pair{0, 5}, {4, 0}, {0, 0}}) {
+    DicomFields fields;
+    fields.rows = rows;
+    fields.columns = columns;
+    fields.pixels = std::vector<double>(20, 1);
+    writeSlice(fields, "s.dcm");
+    refuses(fmt::format("slice s.dcm has {} rows of {} columns; copy the series again", rows, columns));
+  }
+  DicomFields fields;
+  fields.rows = fields.columns = 1;
+  const std::size_t most = 64 * 16384;
+  for (const std::size_t frames : {most, most + 1}) {
+    fields.frames = std::to_string(frames);
+    fields.pixels = std::vector<double>(frames, 1);
+    writeSlice(fields, "s.dcm");
+    refuses(frames == most ? "s.dcm holds 1048576 frames and does not say where each lies"
+                           : "s.dcm holds more than 1048576 frames; split it in another program");
+  }
 }
 
 // Slices of 64 x 64 pixels of noise on a ramp, as archives keep them.
@@ -543,6 +585,16 @@ TEST_F(Dicom, RefusesOneSliceAndFoldersWithout) {
   writeSeries({}, {0});
   refuses("one slice");
   expectLoadRefusal(folder_.file("s1.dcm"), "give the folder");
+}
+
+// The header tells the size, so memory is refused before the pixels' meaning is looked at.
+TEST_F(Dicom, CountsMemoryBeforeItReadsTables) {
+  DicomFields fields;
+  fields.slope = "two";
+  writeSeries(fields, {0, 2, 4});
+  refuses("RescaleSlope");
+  expectRefusal([&] { static_cast<void>(loadVolume(folder_.path(), 100)); }, folder_.path(), "GiB",
+                Error::Code::kOutOfMemory);
 }
 
 TEST_F(Dicom, RefusesMoreThanTheBudget) {

@@ -68,22 +68,51 @@ TEST(DicomValues, AreScaledInDoubleAndRoundedOnce) {
 
 TEST(DicomValues, ComeFromTheTableWhereThereIsOne) {
   DicomValueRule rule = bits(16, 16, 15, true);
-  rule.table = {10, 20, 40, 65535};
+  rule.table = std::make_shared<const Shorts>(Shorts{10, 20, 40, 65535});
   rule.first_mapped = -1;
   // What lies below the first entry's value has the first entry, what lies above the last the last.
   EXPECT_EQ(densitiesOf(rule, Shorts{0x8000, 0xfffe, 0xffff, 0, 1, 2, 3, 0x7fff}),
             (Floats{10, 10, 10, 20, 40, 65535, 65535, 65535}));
 }
 
-TEST(DicomValues, OfPaddingAreNone) {
+TEST(DicomValues, OfPaddingAreMarkedAndHaveTheirDensities) {
   DicomValueRule rule = bits(16, 12, 11, true);
   rule.padding = {-2048, -2046};
   rule.slope = 2;
-  const Floats densities = densitiesOf(rule, Shorts{0x0800, 0x0802, 0x0803, 0x07ff});
-  EXPECT_TRUE(isNoValue(densities[0]));
-  EXPECT_TRUE(isNoValue(densities[1]));
-  EXPECT_EQ(densities[2], -4090);
-  EXPECT_EQ(densities[3], 4094);
+  const Shorts words = {0x0800, 0x0802, 0x0803, 0x07ff};
+  EXPECT_EQ(densitiesOf(rule, words), (Floats{-4096, -4092, -4090, 4094}));
+  const auto marked = [&] {
+    std::vector<bool> padding(6);
+    markPadding(rule, {reinterpret_cast<const char*>(words.data()), 2 * words.size()}, padding, 1);
+    return padding;
+  };
+  EXPECT_EQ(marked(), (std::vector<bool>{false, true, true, false, false, false}));
+  // Of whole words: these are 0x0800 to 0x0802.
+  rule.padding = {0x0801, 0x0803};
+  rule.padding_is_word = true;
+  EXPECT_EQ(marked(), (std::vector<bool>{false, false, true, true, false, false}));
+  rule.padding.reset();
+  EXPECT_EQ(marked(), std::vector<bool>(6));
+}
+
+// Lossy codings overshoot: 4096 of 12 bits is 4095, and 2050 of signed ones, or -2050, are 2047 and -2048.
+TEST(DicomValues, BeyondTheStoredBitsAreClampedAndCounted) {
+  const auto clamped = [](const DicomValueRule& rule, auto words) {
+    const std::size_t count =
+        clampToStored(rule, {reinterpret_cast<char*>(words.data()), words.size() * sizeof words[0]});
+    return std::pair(count, words);
+  };
+  EXPECT_EQ(clamped(bits(16, 12, 11, false), Shorts{0, 4095, 4096, 65535}),
+            std::pair(std::size_t{2}, Shorts{0, 4095, 4095, 4095}));
+  EXPECT_EQ(clamped(bits(16, 12, 11, true), Shorts{0xffff, 0x07ff, 0x0802, 0xf7fe, 0xf800, 0x7fff}),
+            std::pair(std::size_t{3}, Shorts{0xffff, 0x07ff, 0x07ff, 0xf800, 0xf800, 0x07ff}));
+  // Zeros above the sign of every word: 0x0802 then is -2046. 0x1000 is nothing that twelve bits hold.
+  EXPECT_EQ(clamped(bits(16, 12, 11, true), Shorts{0x0fff, 0x0802, 0, 0x1000}),
+            std::pair(std::size_t{1}, Shorts{0x0fff, 0x0802, 0, 0x07ff}));
+  EXPECT_EQ(clamped(bits(16, 16, 15, true), Shorts{0xffff, 0x8000}), std::pair(std::size_t{0}, Shorts{0xffff, 0x8000}));
+  EXPECT_EQ(clamped(bits(8, 5, 4, false), Bytes{31, 32, 255}), std::pair(std::size_t{2}, Bytes{31, 31, 31}));
+  EXPECT_EQ(clamped(bits(32, 20, 19, true), Longs{0xffffffff, 0x00100000, 0x80000000}),
+            std::pair(std::size_t{2}, Longs{0xffffffff, 0x0007ffff, 0xfff80000}));
 }
 
 TEST(DicomValues, KnowsBitsThatAreNoSign) {
@@ -198,10 +227,15 @@ TEST_F(DicomValuesOfSeries, AreRefusedIfTheyAreNoGreyValues) {
 TEST_F(DicomValuesOfSeries, AreRefusedWhereOnlySomeSlicesAreScaled) {
   write(ramp(), scale("2", "0"), false);
   refuses("slice s1.dcm has a RescaleSlope, and slice s0.dcm has none; keep one scan in a folder");
+  write(ramp(), scale("", "2"), false);
+  refuses("slice s1.dcm has a RescaleIntercept, and slice s0.dcm has none; keep one scan in a folder");
+  // Both have a slope, one an intercept too.
   write(ramp(), scale("2", ""));
-  refuses("slice s0.dcm has a RescaleSlope and no RescaleIntercept");
-  write(ramp(), scale("", "2"));
-  refuses("slice s0.dcm has a RescaleIntercept and no RescaleSlope");
+  WrittenItem other = imageSet(ramp());
+  placeAt(other, "0\\0\\2");
+  scale("2", "5")(other);
+  writeFile(folder_.file("s1.dcm"), DicomWriter(kLittleEndianDicom).file(other));
+  refuses("slice s1.dcm has a RescaleIntercept, and slice s0.dcm has none");
   write(
       ramp(),
       [](WrittenItem& set) {
@@ -209,6 +243,33 @@ TEST_F(DicomValuesOfSeries, AreRefusedWhereOnlySomeSlicesAreScaled) {
       },
       false);
   refuses("slice s1.dcm has a ModalityLUTSequence, and slice s0.dcm has none");
+}
+
+// Some programs leave out an intercept of 0 or a slope of 1, or write nothing into it.
+TEST_F(DicomValuesOfSeries, AreScaledByWhatTheFilesHaveOfSlopeAndIntercept) {
+  const auto remark = [&] { return loadVolume(folder_.path()).facts().remark; };
+  write(ramp(), scale("2", ""));
+  expectSlices({0, 2, 4, -2, 200, 65534});
+  EXPECT_EQ(remark(), "its files have a RescaleSlope and no RescaleIntercept, which is taken as 0");
+  write(ramp(), scale("2", " "));
+  expectSlices({0, 2, 4, -2, 200, 65534});
+  write(ramp(), scale("", "-5"));
+  expectSlices({-5, -4, -3, -6, 95, 32762});
+  EXPECT_EQ(remark(), "its files have a RescaleIntercept and no RescaleSlope, which is taken as 1");
+  write(ramp(), scale("2", "-5"));
+  EXPECT_EQ(remark(), "");
+  write(ramp());
+  EXPECT_EQ(remark(), "");
+}
+
+// The scale of a file counts whatever made it.
+TEST_F(DicomValuesOfSeries, OfMrAreScaledAsThoseOfCt) {
+  write(ramp(), [](WrittenItem& set) {
+    set[0x00080016] = textOf("UI", "1.2.840.10008.5.1.4.1.1.4");
+    set[0x00080060] = textOf("CS", "MR");
+    scale("0.5", "-3")(set);
+  });
+  expectSlices({-3, -2.5F, -2, -3.5F, 47, 16380.5F});
 }
 
 TEST_F(DicomValuesOfSeries, ComeFromTheTableOfTheFile) {
@@ -278,6 +339,11 @@ TEST_F(DicomValuesOfSeries, AreRefusedWithATableThatIsNotClear) {
     set[0x00283000] = one;
   });
   refuses("a RescaleSlope and a ModalityLUTSequence, which exclude each other");
+  write(ramp(), [&](WrittenItem& set) {
+    scale("", "1")(set);
+    set[0x00283000] = one;
+  });
+  refuses("a RescaleIntercept and a ModalityLUTSequence, which exclude each other");
 }
 
 // --- padding --------------------------------------------------------------------------------------------------------
@@ -285,14 +351,14 @@ TEST_F(DicomValuesOfSeries, AreRefusedWithATableThatIsNotClear) {
 TEST_F(DicomValuesOfSeries, OfPaddingAreTheLowestDensityOrWhatTheUserSays) {
   const auto padded = [&](WrittenItem& set) {
     scale("2", "-100")(set);
-    set[0x00280120] = numbersOf("SS", {-1});
+    set[0x00280120] = numbersOf("SS", {2});
   };
   write(ramp(), padded);
-  expectSlices({-100, -98, -96, -100, 100, 65434});  // -100: of the stored 0
+  expectSlices({-100, -98, -102, -102, 100, 65434});  // -102: of the stored -1
   EXPECT_EQ(loadVolume(folder_.path()).facts().remark,
-            "2 of 12 pixels are padding in the files; 2 of 12 voxels have no value and are -100 here, the lowest "
+            "2 of 12 pixels are padding in the files; 2 of 12 voxels have no value and are -102 here, the lowest "
             "density (--nan gives another)");
-  expectSlices({-100, -98, -96, -7, 100, 65434}, "?nan=-7");
+  expectSlices({-100, -98, -7, -102, 100, 65434}, "?nan=-7");
   EXPECT_EQ(loadVolume(folder_.path() + "?nan=-7").facts().remark,
             "2 of 12 pixels are padding in the files; 2 of 12 voxels have no value and are -7 here");
   // A range, its ends in any order; the type US where SS is meant is a common mistake.
@@ -309,6 +375,120 @@ TEST_F(DicomValuesOfSeries, OfPaddingAreTheLowestDensityOrWhatTheUserSays) {
   write(ramp(), [](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {-2000}); });
   expectSlices({0, 1, 2, -1, 100, 32767});
   EXPECT_EQ(loadVolume(folder_.path()).facts().remark.find("padding"), std::string::npos);
+}
+
+// What a scanner marks lies below all that it measures, and the background of a mask or a map of labels is 0.
+TEST_F(DicomValuesOfSeries, OfPaddingStayWhereNothingIsBelow) {
+  write(ramp(), [](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {-1}); });
+  expectSlices({0, 1, 2, -1, 100, 32767});
+  EXPECT_EQ(loadVolume(folder_.path()).facts().remark,
+            "2 of 12 pixels are padding in the files and keep their densities (--nan gives another)");
+  expectSlices({0, 1, 2, -7, 100, 32767}, "?nan=-7");
+  // As low as the lowest: here by a slope that turns the order over.
+  write(ramp(), [](WrittenItem& set) {
+    scale("-1", "0")(set);
+    set[0x00280120] = numbersOf("SS", {32767});
+  });
+  expectSlices({0, -1, -2, 1, -100, -32767});
+  for (const std::vector<std::int64_t>& words :
+       {std::vector<std::int64_t>{0, 0, 1, 1, 0, 0}, {0, 0, 1, 2, 3, 0}, {0, 0, 0, 0, 0, 7}}) {
+    WrittenImage mask;
+    mask.words = words;
+    write(mask, [](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {0}); });
+    expectSlices(Floats(words.begin(), words.end()));
+  }
+}
+
+// A mask of which the inside is padding would hold one density if padding became another.
+TEST_F(DicomValuesOfSeries, OfPaddingStayWhereAllElseHasOneDensity) {
+  WrittenImage mask;
+  mask.words = {0, 0, 1, 1, 0, 0};
+  const auto inside = [](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {1}); };
+  write(mask, inside);
+  expectSlices({0, 0, 1, 1, 0, 0});
+  expectSlices({0, 0, 5, 5, 0, 0}, "?nan=5");
+  mask.words = {1, 1, 1, 1, 1, 0};  // all but one pixel of a slice
+  write(mask, inside);
+  expectSlices({1, 1, 1, 1, 1, 0});
+  mask.words = {0, 0, 1, 1, 2, 0};  // two other densities: the volume is none of one
+  write(mask, inside);
+  expectSlices({0, 0, 0, 0, 2, 0});
+}
+
+// A range of padding, of which a part lies at or below the lowest of all else, -1, and a part above.
+TEST_F(DicomValuesOfSeries, OfPaddingStayOneByOne) {
+  WrittenImage image;
+  image.words = {-5, 2, -1, 4, 1, 6};
+  const auto range = [](std::int64_t lowest, std::int64_t highest) {
+    return [=](WrittenItem& set) {
+      set[0x00280120] = numbersOf("SS", {lowest});
+      set[0x00280121] = numbersOf("SS", {highest});
+    };
+  };
+  write(image, range(-5, 2));  // all else: 4 and 6
+  expectSlices({-5, 2, -1, 4, 1, 6});
+  write(image, range(1, 2));  // the lowest else: -5
+  expectSlices({-5, -5, -1, 4, -5, 6});
+  image.words = {-5, 2, 3, 4, 1, 6};
+  write(image, [&](WrittenItem& set) {
+    range(1, 4)(set);
+    scale("-1", "0")(set);  // padding -2, -3, -4, -1; all else 5 and -6
+  });
+  expectSlices({5, -6, -6, -6, -6, -6});
+  // Each slice has a scale of its own: what is padding in both is -2 and 2 there.
+  image.words = {-2, 0, 1, 4, 5, 6};
+  WrittenItem other = imageSet(image);
+  placeAt(other, "0\\0\\2");
+  scale("-1", "0")(other);
+  range(-2, -2)(other);
+  WrittenItem first = imageSet(image);
+  placeAt(first, "0\\0\\0");
+  scale("1", "0")(first);
+  range(-2, -2)(first);
+  writeFile(folder_.file("s0.dcm"), DicomWriter(kLittleEndianDicom).file(first));
+  writeFile(folder_.file("s1.dcm"), DicomWriter(kLittleEndianDicom).file(other));
+  // All else goes from -6 to 6, so that neither -2 nor 2 stays.
+  EXPECT_EQ(loadVolume(folder_.path()).toDense(), (Floats{-6, 0, 1, 4, 5, 6, -6, 0, -1, -4, -5, -6}));
+  // All else is 0 to 6 in the first slice and 0 to 6 in the second: -2 stays, 2 becomes -2, the lowest.
+  scale("1", "0")(other);
+  other[0x7fe00010] = numbersOf("OW", {2, 0, 1, 4, 5, 6});
+  range(2, 2)(other);
+  writeFile(folder_.file("s1.dcm"), DicomWriter(kLittleEndianDicom).file(other));
+  EXPECT_EQ(loadVolume(folder_.path()).toDense(), (Floats{-2, 0, 1, 4, 5, 6, -2, 0, 1, 4, 5, 6}));
+  EXPECT_EQ(
+      loadVolume(folder_.path()).facts().remark,
+      "2 of 12 pixels are padding in the files; 1 of these keep their densities, which no other is below; 1 of 12 "
+      "voxels have no value and are -2 here, the lowest density (--nan gives another)");
+}
+
+// Some scanners write -2000 into whole words of which twelve bits are stored.
+TEST_F(DicomValuesOfSeries, OfPaddingBeyondTheStoredBitsAreWholeWords) {
+  for (const bool is_signed : {true, false}) {
+    WrittenImage image;
+    image.bits_stored = 12;
+    image.high_bit = 11;
+    image.is_signed = is_signed;
+    image.words = {0x07ff, 0xf830, 0x0000, 0x0030, 0x0830, 0x0001};  // 0xf830: -2000 in 16 bits; -2000 & 0xfff = 0x830
+    write(image, [&](WrittenItem& set) { set[0x00280120] = numbersOf(is_signed ? "SS" : "US", {-2000}); });
+    if (is_signed) {  // -2000 fits twelve signed bits: it is a stored value
+      expectSlices({2047, -9, 0, 48, -9, 1}, "?nan=-9");
+    } else {
+      expectSlices({2047, -9, 0, 48, 2096, 1}, "?nan=-9");
+      EXPECT_THAT(loadVolume(folder_.path()).facts().remark, testing::HasSubstr("2 of 12 pixels are padding"));
+    }
+    write(image, [&](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {-3000}); });
+    expectSlices(is_signed ? Floats{2047, -2000, 0, 48, -2000, 1} : Floats{2047, 2096, 0, 48, 2096, 1});
+  }
+  // The end of a range alone does not fit.
+  WrittenImage image;
+  image.bits_stored = 12;
+  image.high_bit = 11;
+  image.words = {0x07ff, 0xf000, 0xf448, 0x0000, 0x0448, 0xffff};  // 2047, -4096, -3000, 0, 1096, -1
+  write(image, [](WrittenItem& set) {
+    set[0x00280120] = numbersOf("SS", {-4096});
+    set[0x00280121] = numbersOf("SS", {-2000});
+  });
+  expectSlices({2047, -9, -9, 0, 1096, -1}, "?nan=-9");
 }
 
 TEST_F(DicomValuesOfSeries, OfPaddingAreRefusedWhereNothingElseIs) {
@@ -403,6 +583,102 @@ TEST_F(DicomValuesOfSeries, OfLessThanEightBitsAreNotReadFromJpeg) {
     writeFile(folder_.file(name), packed);
   }
   refuses("slice s0.dcm is packed, and has 7 bits (BitsStored) in pixels of 8; unpack the series in another program");
+}
+
+// Words of 16 bits of which 8 are stored: a codec may pack these alone, in bytes.
+TEST_P(PackedValues, OfEightBitsInWiderWordsAreWidened) {
+  for (const bool is_signed : {false, true}) {
+    for (const auto& [allocated, stored] : {std::pair{16, 8}, {32, 8}, {16, 7}}) {
+      if (allocated == 32 && GetParam() == DicomPacking::kJpegLossless) continue;  // PS3.5, 8.2.1, knows none
+      SCOPED_TRACE(fmt::format("{} {} {}", is_signed, allocated, stored));
+      WrittenImage image;
+      image.rows = image.columns = 16;
+      image.bits_allocated = image.bits_stored = 8;
+      image.high_bit = 7;
+      image.is_signed = is_signed;
+      Floats want;
+      for (int n = 0; n < 256; ++n) {
+        const int value = n % (1 << stored) - (is_signed ? 1 << (stored - 1) : 0);
+        image.words.push_back(value & 255);
+        want.push_back(static_cast<float>(value));
+      }
+      write(image);
+      for (const char* name : {"s0.dcm", "s1.dcm"}) {
+        std::string packed = packedDicom(readFile(folder_.file(name)), GetParam());
+        const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
+        for (const auto& [element, from, to] :
+             {std::array{0x100, 8, allocated}, {0x101, 8, stored}, {0x102, 7, stored - 1}}) {
+          const std::string old = dicomElement(0x28, element, "US", us(from));
+          packed.replace(packed.find(old), old.size(), dicomElement(0x28, element, "US", us(to)));
+        }
+        writeFile(folder_.file(name), packed);
+      }
+      if (GetParam() == DicomPacking::kRle) {
+        refuses("slice s0.dcm is cut short or damaged");  // a byte plane is missing
+      } else {
+        expectSlices(want);
+      }
+    }
+  }
+}
+
+// The file says afterwards that the coding loses something and that twelve bits are stored, as if it had overshot.
+TEST_F(DicomValuesOfSeries, OfLossyPackingAreClampedWhereTheyOvershoot) {
+  for (const auto& [packing, lossless, lossy] :
+       {std::tuple{DicomPacking::kJpegLossless, "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.51"},
+        {DicomPacking::kJpegLs, "1.2.840.10008.1.2.4.80", "1.2.840.10008.1.2.4.81"},
+        {DicomPacking::kJpeg2000, "1.2.840.10008.1.2.4.90", "1.2.840.10008.1.2.4.91"}}) {
+    SCOPED_TRACE(lossy);
+    WrittenImage image;
+    image.rows = image.columns = 16;
+    image.is_signed = false;
+    Floats want;
+    for (int n = 0; n < 256; ++n) {
+      image.words.push_back(n < 3 ? 4096 + 900 * n : 16 * n);
+      want.push_back(static_cast<float>(std::min<std::int64_t>(4095, image.words.back())));
+    }
+    for (const bool loses : {false, true}) {
+      write(image);
+      for (const char* name : {"s0.dcm", "s1.dcm"}) {
+        std::string packed = packedDicom(readFile(folder_.file(name)), packing);
+        const auto replace = [&](const std::string& old, const std::string& by) {
+          ASSERT_NE(packed.find(old), std::string::npos);
+          packed.replace(packed.find(old), old.size(), by);
+        };
+        const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
+        if (loses) replace(lossless, lossy);
+        replace(dicomElement(0x28, 0x101, "US", us(16)), dicomElement(0x28, 0x101, "US", us(12)));
+        replace(dicomElement(0x28, 0x102, "US", us(15)), dicomElement(0x28, 0x102, "US", us(11)));
+        writeFile(folder_.file(name), packed);
+      }
+      if (loses) {
+        expectSlices(want);
+        EXPECT_EQ(loadVolume(folder_.path()).facts().remark,
+                  "6 of 512 pixels, packed with losses, lay beyond BitsStored and were held within it");
+      } else {
+        refuses("the packed pixels of slice s0.dcm have more bits than BitsStored, 12");
+      }
+    }
+  }
+}
+
+// A video, HTJ2K, JPEG XL: the file is whole.
+TEST_F(DicomValuesOfSeries, PackedInAnUnknownWayAreRefusedByItsName) {
+  write(ramp());
+  for (const char* syntax : {"1.2.840.10008.1.2.4.102", "1.2.840.10008.1.2.4.201", "1.2.840.10008.1.2.4.110",
+                             "1.2.840.10008.1.2.1.98", "1.2.3.4"}) {
+    write(
+        ramp(),
+        [](WrittenItem& set) {
+          set[0x7fe00010] = textOf("OB", "");
+          set[0x7fe00010].fragments = {"anything"};
+        },
+        true, syntax);
+    refuses(
+        fmt::format("slice s0.dcm is packed as {}, which Palpate does not read; unpack the series in another "
+                    "program",
+                    syntax));
+  }
 }
 
 // The file says afterwards that twelve bits lie on top: Palpate unpacks RLE itself, and GDCM would not know.
