@@ -81,7 +81,7 @@ const std::string kDampingHelp =
 const SceneOption kOptions[] = {
     {"--volume", "volume", "", "file, DICOM folder or 'phantom:NAME?size=64&noise=0.05'", TextOption{&Scene::volume}},
     {"--series", "series", "", "of a DICOM folder of several: its number in the list that is printed without it, or its UID", TextOption{&Scene::series, false}},
-    {"--nan", "nan", "density", "what voxels become that are NaN, infinite or beyond the range of a float in the file, or padding in DICOM slices; if not given 0 in NIfTI files, the lowest density for padding, and other files are refused", TextOption{&Scene::nan, false}},
+    {"--nan", "nan", "density", "what voxels become that are NaN, infinite or beyond the range of a float in the file, or padding in DICOM slices; if not given 0 in NIfTI files, for padding its own density or the lowest, and other files are refused", TextOption{&Scene::nan, false}},
     {"--resample", "resample", "", "DICOM slices of a tilted gantry are resampled onto upright axes; they are refused otherwise", SwitchOption{&Scene::resample, "no", "yes", true}},
     {"--iso", "isovalue", "density", "isovalue: above it is object; if not given what a sculpted .vdb keeps, or chosen from the histogram",
      NumberOption{&Scene::isovalue, 1, -3.4e38, 3.4e38}},

@@ -84,6 +84,104 @@ TEST_F(Tilted, AFieldThatIsLinearInEachSliceIsReproduced) {
   }
 }
 
+// Slices of any directions, each one step from the one before.
+struct Gantry {
+  Vec3 columns, rows;  // directions in which columns and rows are counted
+  Vec3 first_mm, step_mm;
+  [[nodiscard]] Vec3 normal() const { return columns.cross(rows); }
+  [[nodiscard]] Vec3 place_mm(int slice) const { return first_mm + slice * step_mm; }
+};
+
+std::string numbersText(const Vec3& v) {
+  return fmt::format("{:.15g}\\{:.15g}\\{:.15g}", v.x(), v.y(), v.z());
+}
+
+// Densities of a field that is linear in the world, in steps of 2^-10. Words are rounded to half a step, 2^-11, and
+// bilinear interpolation makes that no more. A float rounds by 2^-24 of the density. Cosines and places are written to
+// 15 digits: 1e-12 mm, and a density changes by 50 for each mm.
+class AnyGantry : public Tilted {
+ protected:
+  static constexpr int kSlices = 5;
+  static double field(const Vec3& p_mm) { return p_mm.dot(Vec3(40, -24, 15)) + 7; }
+
+  void write(const Gantry& gantry) const {
+    for (int k = 0; k < kSlices; ++k) {
+      WrittenImage image;
+      image.rows = kRows;
+      image.columns = kColumns;
+      image.bits_allocated = image.bits_stored = 32;
+      image.high_bit = 31;
+      for (int j = 0; j < kRows; ++j) {
+        for (int i = 0; i < kColumns; ++i) {
+          const Vec3 p_mm = gantry.place_mm(k) + i * kPixelX_mm * gantry.columns + j * kPixelY_mm * gantry.rows;
+          image.words.push_back(std::llround(1024 * field(p_mm)));
+        }
+      }
+      WrittenItem set = imageSet(image);
+      set[0x00200032] = textOf("DS", numbersText(gantry.place_mm(k)));
+      set[0x00200037] = textOf("DS", numbersText(gantry.columns) + "\\" + numbersText(gantry.rows));
+      set[0x00280030] = textOf("DS", fmt::format("{}\\{}", kPixelY_mm, kPixelX_mm));
+      set[0x00281052] = textOf("DS", "0");
+      set[0x00281053] = textOf("DS", "0.0009765625");
+      writeFile(folder_.file(fmt::format("s{}.dcm", k)), DicomWriter(kLittleEndianDicom).file(set));
+    }
+  }
+
+  void expectField(const Gantry& gantry) const {
+    const Volume volume = loadVolume(upright("&nan=-9999"));
+    const double gap_mm = gantry.step_mm.dot(gantry.normal());
+    ASSERT_EQ(volume.size().z(), kSlices);
+    Mat3 axes;
+    axes << gantry.columns, gantry.rows, gantry.normal();
+    EXPECT_LT((volume.lattice().R_WL - axes).norm(), 1e-9);
+    EXPECT_LT((volume.lattice().spacing_m * 1e3 - Vec3(kPixelX_mm, kPixelY_mm, gap_mm)).norm(), 1e-9);
+    int inside = 0;
+    for (int k = 0; k < kSlices; ++k) {
+      for (int j = 0; j < volume.size().y(); ++j) {
+        for (int i = 0; i < volume.size().x(); ++i) {
+          const Vec3 p_mm = volume.lattice().toWorld(Vec3(i, j, k)) * 1e3;
+          const Vec3 from_mm = p_mm - gantry.place_mm(k);
+          EXPECT_LT(std::abs(from_mm.dot(gantry.normal())), 1e-9);  // in the slice's plane
+          const double u = from_mm.dot(gantry.columns) / kPixelX_mm, v = from_mm.dot(gantry.rows) / kPixelY_mm;
+          const bool within = u > -1e-6 && u < kColumns - 1 + 1e-6 && v > -1e-6 && v < kRows - 1 + 1e-6;
+          inside += within ? 1 : 0;
+          const double want = within ? field(p_mm) : -9999;
+          EXPECT_NEAR(volume.value({i, j, k}), want, std::ldexp(1, -11) + std::ldexp(std::abs(want), -24) + 1e-6)
+              << i << " " << j << " " << k;
+        }
+      }
+    }
+    EXPECT_GE(inside, kSlices * (kColumns - 1) * (kRows - 1));
+    EXPECT_LE(inside, kSlices * kColumns * kRows);
+  }
+};
+
+// The table moves along z and the gantry leans, by what scanners allow: cosines are tilted, and only z changes from
+// slice to slice.
+TEST_F(AnyGantry, ThatLeansKeepsALinearField) {
+  for (const double degrees : {-30.0, -12.5, 20.0, 30.0}) {
+    SCOPED_TRACE(degrees);
+    const double angle = degrees / 180 * std::acos(-1.0);
+    const Gantry gantry = {Vec3::UnitX(), Vec3(0, std::cos(angle), -std::sin(angle)), Vec3(-125, -90.5, 33),
+                           Vec3(0, 0, 2.5)};
+    write(gantry);
+    expectLoadRefusal(folder_.path(), "are shifted sideways, as under a tilted gantry");
+    expectField(gantry);
+    EXPECT_THAT(loadVolume(upright()).facts().remark,
+                testing::HasSubstr(fmt::format("tilted by {:.3g} degrees", std::abs(degrees))));
+  }
+}
+
+TEST_F(AnyGantry, OfAnObliqueDirectionKeepsALinearField) {
+  Vec3 columns(0.6, 0.64, 0.48), rows(-0.8, 0.48, 0.36);  // unit vectors, at right angles: -0.48 + 0.3072 + 0.1728
+  for (const Vec3& aside_mm : {Vec3(0.3, -0.45, 0), Vec3(-0.7, 0.2, 0), Vec3(0.05, 1.1, 0)}) {
+    Gantry gantry = {columns, rows, Vec3(12, -7, 80), Vec3::Zero()};
+    gantry.step_mm = 2 * gantry.normal() + aside_mm.x() * columns + aside_mm.y() * rows;
+    write(gantry);
+    expectField(gantry);
+  }
+}
+
 TEST_F(Tilted, WhatLiesOutsideIsTheLowestDensityAndTold) {
   write(steps(3, 0.0, 0.75), [](double x, double y, double) { return 100 * x + 40 * y + 7; });
   const Volume volume = loadVolume(upright());
@@ -109,6 +207,35 @@ TEST_F(Tilted, PaddingIsNotMixedIn) {
   EXPECT_EQ(volume.value({0, 0, 1}), -9);  // before the shifted one
   EXPECT_EQ(volume.value({7, 0, 1}), -9);
   EXPECT_EQ(volume.value({4, 0, 1}), 100);
+}
+
+// Padding that keeps its density, as the background of a mask does, is a density as any other: half-way between 0 and 1
+// it is a half, and outside it is the lowest.
+TEST_F(Tilted, PaddingThatStaysIsMixedIn) {
+  const auto field = [](double x, double, double) { return x >= 1 && x < 2 ? 1 : 0; };
+  const std::vector<std::array<double, 2>> half_a_pixel = steps(2, 0.25, 0.0);
+  write(half_a_pixel, field, [](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {0}); });
+  const Volume volume = loadVolume(upright());
+  // Pixels of slice 0 lie at 0, 0.5, ... 3 mm, those of slice 1 at 0.25, 0.75, ... 3.25, of which 1.25 and 1.75 are 1.
+  // So the last column of six voxels lies outside both, and the first one outside slice 1.
+  EXPECT_EQ(volume.size(), Vec3i(8, kRows, 2));
+  for (const auto& [k, row] : {std::pair(0, std::array{0.0F, 0.0F, 1.0F, 1.0F, 0.0F, 0.0F, 0.0F, 0.0F}),
+                               {1, {0.0F, 0.0F, 0.5F, 1.0F, 0.5F, 0.0F, 0.0F, 0.0F}}}) {
+    for (int i = 0; i < 8; ++i) EXPECT_EQ(volume.value({i, 2, k}), row[static_cast<std::size_t>(i)]) << i << " " << k;
+  }
+  EXPECT_EQ(volume.facts().remark,
+            "60 of 84 pixels are padding in the files and keep their densities (--nan gives another); its slices are "
+            "tilted by 7.13 degrees and were resampled upright; 18 of 96 voxels have no value and are 0 here, the "
+            "lowest density (--nan gives another)");
+}
+
+// One pixel in the middle is none of a cell.
+TEST_F(Tilted, IsRefusedWhereAllVoxelsLieBesidePadding) {
+  write(
+      steps(2, 0.25, 0.0), [](double x, double y, double z) { return z > 0 && x > 1 && x < 1.5 && y == 1.5 ? 3 : -5; },
+      [](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {-5}); });
+  expectRefusal([&] { static_cast<void>(loadVolume(upright("&nan=-9"))); }, folder_.path(),
+                "no voxel of the upright volume lies between pixels that are not padding");
 }
 
 TEST_F(Tilted, UprightSlicesStayAsTheyAre) {
