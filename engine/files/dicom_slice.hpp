@@ -44,9 +44,10 @@ struct DicomSlice {
 };
 using DicomSeries = std::vector<DicomSlice>;
 
-// The slices of a file, in the order of its frames; none for a DICOM file that holds no image (dicom_structure.hpp).
-// Throws Error(kBadInput) for a file that is not complete or has no pixels. A file of several frames that does not
-// describe each is one slice, which placeSlice refuses. Cost: reads the file.
+// The slices of a file, in the order of its frames; none for a DICOM file that holds no image: by its class
+// (dicom_structure.hpp), or since it has neither pixels nor a size nor a place. Throws Error(kBadInput) for a file that
+// is not complete, lacks pixels, or has no rows, no columns or more frames than 64 volumes of the largest height. A
+// file of several frames that does not describe each is one slice, which placeSlice refuses. Cost: reads the file.
 [[nodiscard]] DicomSeries slicesOfFile(const std::filesystem::path& path, const std::string& source);
 
 // Sets position, axes and spacing. Throws Error(kBadInput) for those that are not made of finite decimal numbers, and
