@@ -15,8 +15,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kOneBuild = "take the program and the folder lib/palpate from one build";
 
+bool loads_no_more = false;  // loadAhead() was called
+
+// What is mended now comes into a servo's process no more.
 Error notLoaded(const fs::path& file, const std::string& reason, const std::string& remedy) {
-  return {Error::Code::kNotFound, file.string(), reason, remedy};
+  return {Error::Code::kNotFound, file.string(), reason,
+          loads_no_more ? remedy + ", and start the servo again" : remedy};
 }
 
 // The reason alone: dlerror() puts the file's name in front of it.
@@ -63,6 +67,7 @@ const void* moduleTable(const fs::path& file, const std::string& table) {
 }
 
 void loadAhead(std::initializer_list<const char*> names) noexcept {
+  loads_no_more = true;
   for (const char* name : names) static_cast<void>(dlopen(moduleFile(name).c_str(), RTLD_NOW | RTLD_LOCAL));
 }
 

@@ -40,7 +40,7 @@ template <class Table>
 }
 
 // For a process that soon cannot load anything (service/sandbox): loads these now. One that cannot be loaded is told
-// by loadModule(), when it is needed.
+// by loadModule(), when it is needed, which then also says to start the servo again. Before other threads.
 void loadAhead(std::initializer_list<const char*> names) noexcept;
 
 }  // namespace palpate

@@ -19,8 +19,12 @@ std::string wholeFile(const std::filesystem::path& file, const std::string& what
   const std::string name = file.string();
   const Descriptor opened(open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!opened) {
-    throw Error(Error::Code::kNotFound, name, fmt::format("{} cannot be opened ({})", what, std::strerror(errno)),
-                "check its name and rights");
+    const int why = errno;
+    const bool is_lack = why == EMFILE || why == ENFILE || why == ENOMEM;  // of this moment, whatever the file is
+    throw Error(
+        is_lack ? Error::Code::kOutOfMemory : Error::Code::kNotFound, name,
+        fmt::format("{} cannot be opened ({})", what, std::strerror(why)),
+        is_lack ? "end other programs, or raise the limit of open files (ulimit -n)" : "check its name and rights");
   }
   struct stat facts {};
   if (fstat(opened.get(), &facts) != 0 || !S_ISREG(facts.st_mode))

@@ -11,14 +11,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <linux/close_range.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/close_from.hpp"
 #include "base/descriptor.hpp"
 #include "base/error.hpp"
 
@@ -63,15 +61,8 @@ struct ChildPlan {
   const char* program;
   char* const* words;
   pid_t parent;
-  int report;            // where the errno of a failure is written
-  int most_descriptors;  // that this process may have
+  int report;  // where the errno of a failure is written
 };
-
-void keepOnlyStandardStreams(int most_descriptors) noexcept {
-  if (syscall(SYS_close_range, kFirstNotInherited, ~0U, CLOSE_RANGE_CLOEXEC) == 0) return;
-  for (int one = kFirstNotInherited; one < most_descriptors; ++one)
-    fcntl(one, F_SETFD, FD_CLOEXEC);  // before Linux 5.11
-}
 
 void resetSignals() noexcept {
   struct sigaction usual {};
@@ -92,17 +83,11 @@ void resetSignals() noexcept {
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  keepOnlyStandardStreams(plan.most_descriptors);
+  closeFrom(kFirstNotInherited, Closing::kInPrograms);
   execv(plan.program, plan.words);
   const int failure = errno;
   static_cast<void>(!write(plan.report, &failure, sizeof failure));
   _exit(kNotStarted);
-}
-
-int descriptorLimit() noexcept {
-  constexpr rlim_t kMost = 1U << 20U;
-  rlimit limit{};
-  return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? static_cast<int>(std::min(limit.rlim_cur, kMost)) : 1024;
 }
 
 // The errno that the child wrote; 0: the program runs, since the pipe was closed by its exec.
@@ -133,11 +118,7 @@ pid_t startChild(const std::string& name, const std::vector<std::string>& argv) 
   sigset_t all, before;
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before);
-  const ChildPlan plan{.program = program.c_str(),
-                       .words = words.data(),
-                       .parent = getpid(),
-                       .report = report.get(),
-                       .most_descriptors = descriptorLimit()};
+  const ChildPlan plan{.program = program.c_str(), .words = words.data(), .parent = getpid(), .report = report.get()};
   const pid_t child = fork();
   if (child == 0) becomeProgram(plan);
   const int fork_failure = errno;

@@ -46,6 +46,21 @@ TEST(Module, IsLoadedAheadWhereThatIsAskedFor) {
       testing::ExitedWithCode(0), "");
 }
 
+// A servo's process says so, whose libraries were all loaded before: mending the file alone is not enough.
+TEST(Module, WhatIsMissingAfterwardsWantsANewServo) {
+  constexpr const char* kAgain = ", and start the servo again";
+  EXPECT_THAT(refusalOfLoading("/none.so"), Not(HasSubstr(kAgain)));
+  EXPECT_EXIT(
+      {
+        loadAhead({"none"});
+        const bool all = refusalOfLoading("/none.so").ends_with(kAgain) &&
+                         refusalOfLoading(PALPATE_OLD_STRAY).ends_with(kAgain) &&
+                         refusalOfLoading("/proc/self/exe").ends_with(kAgain);
+        _exit(all ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
+}
+
 TEST(Module, ThrowsWhatIsCaughtAsAnError) {
   try {
     loadModule<SampleModule>().refuseIt("file.nii");

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "tests/apps/report/temporary_folder.hpp"
+#include "tests/support/few_descriptors.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {
@@ -52,6 +53,14 @@ TEST_F(WholeFile, IsAPlainFile) {
   refused(pipe);
   std::filesystem::create_symlink("/dev/zero", folder_.path() / "link");
   refused(folder_.path() / "link");
+}
+
+// Another moment may have one: a supervisor starts again what ended so.
+TEST_F(WholeFile, WantsADescriptor) {
+  const std::filesystem::path there = file("words");
+  const FewDescriptors none;
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(wholeFile(there, "the list", 1000)); }, Error::Code::kOutOfMemory),
+              HasSubstr("the list cannot be opened (Too many open files); end other programs"));
 }
 
 TEST_F(WholeFile, IsThereAndMayBeRead) {
