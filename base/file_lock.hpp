@@ -28,7 +28,8 @@ namespace palpate {
 
 // For a file or folder that this process has just made: locks it, and is true if it still belongs to this process
 // alone. Another process may have locked or removed it before the lock was taken. On a file system without locks this
-// is true, since nobody removes anything there.
+// is true, since nobody removes anything there. It is true, too, in a process that may not lock (service/sandbox):
+// there another writer of the same file may remove this one's temporary file, and then its commit fails and says so.
 [[nodiscard]] inline bool isOurs(const std::filesystem::path& name, int descriptor) noexcept {
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
   return isNameOf(name, descriptor);

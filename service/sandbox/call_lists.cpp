@@ -23,9 +23,9 @@ constexpr const char* kAllowed[] = {
     // what is open
     "read", "readv", "pread64", "preadv", "write", "writev", "pwrite64", "pwritev", "lseek", "close", "close_range",
     "dup", "dup2", "dup3", "pipe", "pipe2", "eventfd2", "poll", "ppoll", "select", "pselect6", "epoll_create1",
-    "epoll_ctl", "epoll_wait", "epoll_pwait", "fadvise64", "flock", "fstat",
+    "epoll_ctl", "epoll_wait", "epoll_pwait", "fadvise64", "fstat",
     // files, as the fence of files has it (file_fence.hpp)
-    "open", "openat", "unlink", "unlinkat", "rename", "renameat", "renameat2", "fsync", "fdatasync",
+    "unlink", "unlinkat", "rename", "renameat", "renameat2", "fsync", "fdatasync",
     // looking for devices, modules and meshes
     "stat", "lstat", "newfstatat", "statx", "statfs", "fstatfs", "access", "faccessat", "faccessat2", "readlink",
     "readlinkat", "getdents64", "getcwd", "name_to_handle_at",

@@ -66,9 +66,9 @@ void emptyBoundingSet() {
 
 }  // namespace
 
-CapabilitiesLeft dropCapabilities() {
+CapabilitiesLeft dropCapabilities(RealTime real_time) {
   CapabilitiesLeft left;
-  const CapabilitySet needed = stillNeeded(permittedCapabilities());
+  const CapabilitySet needed = real_time == RealTime::kKept ? stillNeeded(permittedCapabilities()) : 0;
   emptyBoundingSet();
   prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
   if (!setCapabilities(needed)) left.failure = std::strerror(errno);

@@ -20,8 +20,11 @@ struct CapabilitiesLeft {
   std::string failure;            // why they could not be given up; empty: they were
 };
 
+enum class RealTime { kKept, kGivenUp };
+
 // Gives up all capabilities but the two above where they must be kept: permitted, effective, inheritable, ambient, and
-// the bounding set where it may. Throws nothing.
-[[nodiscard]] CapabilitiesLeft dropCapabilities();
+// the bounding set where it may. kGivenUp: those two as well, for a process that has no use for real time; its limits
+// stay as they are. Throws nothing.
+[[nodiscard]] CapabilitiesLeft dropCapabilities(RealTime real_time = RealTime::kKept);
 
 }  // namespace palpate

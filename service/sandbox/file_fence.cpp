@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service/sandbox/file_fence.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,8 @@
 
 namespace palpate {
 namespace {
+
+namespace fs = std::filesystem;
 
 // What the headers of older systems lack.
 constexpr std::uint64_t kTruncate = std::uint64_t{1} << 14U, kIoctlDevice = std::uint64_t{1} << 15U;
@@ -45,7 +48,9 @@ std::uint64_t fileRights(int version) {
 
 // At a file, or below a folder.
 bool allowAt(const Descriptor& ruleset, const std::string& path, std::uint64_t rights) {
-  const Descriptor at(open(path.c_str(), O_PATH | O_CLOEXEC));
+  // A folder as such: one that is mounted when it is first used (autofs) is mounted then.
+  Descriptor at(open(path.c_str(), O_PATH | O_CLOEXEC | O_DIRECTORY));
+  if (!at) at = Descriptor(open(path.c_str(), O_PATH | O_CLOEXEC));
   struct stat facts {};
   if (!at || fstat(at.get(), &facts) != 0) return false;
   if (!S_ISDIR(facts.st_mode)) rights &= ~kOfFolders;
@@ -53,22 +58,35 @@ bool allowAt(const Descriptor& ruleset, const std::string& path, std::uint64_t r
   return syscall(SYS_landlock_add_rule, ruleset.get(), LANDLOCK_RULE_PATH_BENEATH, &rule, 0) == 0;
 }
 
+bool liesIn(const fs::path& what, const fs::path& folder) {
+  return std::ranges::mismatch(folder, what).in1 == folder.end();
+}
+
+// Whether a rule for what `entry` leads to would be one for something in `hidden` too: a link or a second mount.
+bool leadsTo(const fs::path& hidden, const fs::path& entry) {
+  std::error_code unknown;
+  const fs::path real = fs::canonical(entry, unknown), real_hidden = fs::canonical(hidden, unknown);
+  return liesIn(real, real_hidden) || liesIn(real_hidden, real) || fs::equivalent(real, real_hidden, unknown) ||
+         fs::equivalent(real, real_hidden.parent_path(), unknown);
+}
+
 // A rule holds for all that is below, so to leave one folder out is to name all the others. What cannot be opened, as a
 // link that leads nowhere, is left out, too.
 bool allowReadingBut(const Descriptor& ruleset, const std::string& hidden) {
-  const std::filesystem::path without(hidden);
+  const fs::path without(hidden);
   std::error_code failure;
   int allowed = 0;
-  for (std::filesystem::directory_iterator entry(without.parent_path(), failure), end; entry != end && !failure;
+  for (fs::directory_iterator entry(without.parent_path(), failure), end; entry != end && !failure;
        entry.increment(failure))
-    if (entry->path() != without && allowAt(ruleset, entry->path().string(), kRead)) ++allowed;
+    if (!leadsTo(without, entry->path()) && allowAt(ruleset, entry->path().string(), kRead)) ++allowed;
   if (allowed == 0) errno = failure ? failure.value() : ENOENT;
   return allowed > 0;
 }
 
 std::string reasonOfErrno() {
-  if (errno == ENOSYS) return "this kernel has no Landlock";
-  if (errno == EOPNOTSUPP) return "Landlock is switched off in this kernel";
+  if (errno == ENOSYS) return "this kernel has no Landlock: take Linux 5.13 or newer";
+  if (errno == EOPNOTSUPP)
+    return "Landlock is switched off in this kernel: add it to lsm= on the kernel's command line";
   return std::strerror(errno);
 }
 
@@ -99,6 +117,7 @@ FileFence fenceFiles(const FencedPlaces& places) {
   fence.stands = made && syscall(SYS_landlock_restrict_self, ruleset.get(), 0) == 0;
   if (!fence.stands) fence.why_not = reasonOfErrno();
   fence.holds_signals = fence.stands && version >= kKnowsScopes;
+  fence.holds_emptying = fence.stands && version >= kKnowsTruncate;
   return fence;
 }
 

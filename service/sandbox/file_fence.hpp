@@ -20,13 +20,15 @@ namespace palpate {
 
 struct FileFence {
   bool stands = false;
-  bool holds_signals = false;  // a signal reaches this process and its children, and nobody else
-  std::string why_not;         // it does not stand
+  bool holds_signals = false;   // a signal reaches this process and its children, and nobody else
+  bool holds_emptying = false;  // no file is emptied but in the folder of its own; an older kernel lets that through
+  std::string why_not = {};     // it does not stand; and what to do, where something can be done
 };
 
 struct FencedPlaces {
-  // A folder. All that lies beside it, at this moment, can be read, but nothing in it. (A kernel's rule holds for a
-  // whole tree. So the tree itself, "/" for "/dev", cannot be listed any more.)
+  // A folder. All that lies beside it, at this moment, can be read, but nothing in it, by whatever name. (A kernel's
+  // rule holds for a whole tree. So the tree itself, "/" for "/dev", cannot be listed any more; what is mounted there
+  // later cannot be read; and what lies beside it and leads into it, or to all that it lies in, cannot either.)
   std::string hidden;
   // Files, or folders for what is or will be in them, which may be read and written, and take ioctl(2).
   std::vector<std::string> devices = {};

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "service/sandbox/servo_sandbox.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "service/sandbox/call_filter.hpp"
 #include "service/sandbox/capabilities.hpp"
 #include "service/sandbox/file_fence.hpp"
+#include "service/sandbox/memory_images.hpp"
 
 namespace palpate {
 namespace {
@@ -27,13 +29,6 @@ FencedPlaces fencedPlaces(const std::string& own_folder) {
   for (const char* device : kDevices)
     if (access(device, F_OK) == 0) places.devices.emplace_back(device);
   return places;
-}
-
-// Of files' sizes and of processes there is no limit: messages go to a file that may be long already, memory that two
-// processes share counts as a file, and processes are counted for the user, whose others may be many.
-bool refuseMemoryImages() {
-  const rlimit none = {0, 0};
-  return setrlimit(RLIMIT_CORE, &none) == 0 && prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) == 0;
 }
 
 void noteCapabilities(const CapabilitiesLeft& left, SandboxReport& report) {
@@ -70,17 +65,21 @@ SandboxReport enterServoSandbox(const std::string& own_folder) {
     report.given_up.push_back(fmt::format("all of {} but USB", kAllDevices));
     report.given_up.push_back(own_folder.empty() ? std::string("writing files")
                                                  : fmt::format("writing files outside of {}", own_folder));
-  } else {
-    report.missing.push_back(fmt::format("writing files ({}: take Linux 5.13 or newer)", fence.why_not));
   }
   const std::string no_filter = filterCalls(fence.holds_signals);
-  if (no_filter.empty()) {
-    report.given_up.emplace_back("most system calls");
-  } else {
-    report.missing.push_back(
-        fmt::format("all system calls ({}: allow them where this machine or container is set up)", no_filter));
-  }
+  if (no_filter.empty()) report.given_up.emplace_back("most system calls");
+  std::ranges::move(missingOf(fence, no_filter), std::back_inserter(report.missing));
   return report;
+}
+
+// Where the filter stands no file is emptied, whatever the version of Landlock (call_filter.hpp).
+std::vector<std::string> missingOf(const FileFence& fence, const std::string& no_filter) {
+  std::vector<std::string> missing;
+  if (!fence.stands) missing.push_back(fmt::format("all of {} and writing files ({})", kAllDevices, fence.why_not));
+  if (fence.stands && !fence.holds_emptying && !no_filter.empty())
+    missing.emplace_back("emptying files (this kernel's Landlock is too old for it: take Linux 6.2 or newer)");
+  if (!no_filter.empty()) missing.push_back(fmt::format("all system calls ({})", no_filter));
+  return missing;
 }
 
 std::string wordsOf(const SandboxReport& report) {

@@ -19,6 +19,8 @@
 #include <string>
 #include <vector>
 
+#include "service/sandbox/file_fence.hpp"
+
 namespace palpate {
 
 struct SandboxReport {
@@ -30,6 +32,10 @@ struct SandboxReport {
 
 // `own_folder`: in it plain files may still be made and removed; it exists. Empty: none.
 [[nodiscard]] SandboxReport enterServoSandbox(const std::string& own_folder = "");
+
+// Of files and system calls: what is not given up, and in brackets why, and what to do where something can be done.
+// `no_filter`: as filterCalls() says it.
+[[nodiscard]] std::vector<std::string> missingOf(const FileFence& fence, const std::string& no_filter);
 
 // One line.
 [[nodiscard]] std::string wordsOf(const SandboxReport& report);

@@ -87,6 +87,22 @@ TEST_F(Capabilities, WhatNoLimitReplacesIsKeptAndNamed) {
             0);
 }
 
+// By a process that has no use for real time.
+TEST_F(Capabilities, NoneIsKeptWhereNoneIsNeeded) {
+  EXPECT_EQ(resultInChild([] {
+              limit(RLIMIT_RTPRIO, 94);
+              keepOnly(kNice | kLock | 1U << CAP_KILL);
+              rlimit before = {}, after = {};
+              getrlimit(RLIMIT_RTPRIO, &before);
+              const CapabilitiesLeft left = dropCapabilities(RealTime::kGivenUp);
+              getrlimit(RLIMIT_RTPRIO, &after);
+              const Sets now = present();
+              if (!left.kept.empty() || !left.failure.empty() || after.rlim_max != before.rlim_max) return 1;
+              return (now.effective | now.permitted | now.inheritable) == 0 ? 0 : 2;
+            }),
+            0);
+}
+
 // Not raised, since it was never allowed: limits are exchanged for capabilities, not added.
 TEST_F(Capabilities, ALimitIsRaisedForACapabilityAlone) {
   if (!has(CAP_SYS_RESOURCE)) GTEST_SKIP() << "whoever runs the tests may not raise limits";

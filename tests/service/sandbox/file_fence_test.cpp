@@ -79,6 +79,32 @@ TEST_F(FenceOfFiles, WhatIsHiddenIsNotReadOrWritten) {
   EXPECT_EQ(behind([&] { return open((devices() / "file").c_str(), O_RDONLY); }), 0);
 }
 
+// A link beside it that leads to it, into it, or to all that it lies in. Another one is as good as what it leads to.
+TEST_F(FenceOfFiles, WhatIsHiddenIsNotReadByAnotherName) {
+  const std::filesystem::path beside = hidden().parent_path();
+  std::filesystem::create_symlink(hidden(), beside / "same");
+  std::filesystem::create_symlink(hidden() / "other", beside / "within");
+  std::filesystem::create_symlink(beside, beside / "around");
+  std::filesystem::create_symlink("/", beside / "all");
+  std::filesystem::create_symlink(inside(), beside / "good");
+  for (const std::string& path : {hiddenFile(), (hidden() / "other/file").string(), (beside / "same/file").string(),
+                                  (beside / "within/file").string()})
+    EXPECT_EQ(behind([&] { return open(path.c_str(), O_RDONLY); }), EACCES) << path;
+  EXPECT_EQ(behind([&] { return open((beside / "good/file").c_str(), O_RDONLY); }), 0);
+  EXPECT_EQ(behind([&] { return open(file().c_str(), O_RDONLY); }), 0);
+}
+
+TEST_F(FenceOfFiles, SaysWhetherFilesCanBeEmptied) {
+  EXPECT_EQ(resultInChild([&] {
+              prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+              const FileFence fence = fenceFiles({.hidden = hidden().string()});
+              if (!fence.stands) return 255;
+              const bool is_emptied = open(file().c_str(), O_RDONLY | O_TRUNC) >= 0;
+              return is_emptied != fence.holds_emptying ? 0 : 1;
+            }),
+            0);
+}
+
 TEST_F(FenceOfFiles, WritesInTheFoldersAlone) {
   EXPECT_EQ(behind([&] { return open((devices() / "file").c_str(), O_RDWR); }), 0);
   EXPECT_EQ(behind([&] { return open(insideFile().c_str(), O_RDWR); }), 0);

@@ -3,6 +3,7 @@
 #include "service/sandbox/servo_sandbox.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -19,11 +20,14 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/syscall.h>
 #include <sys/un.h>
 
+#include "base/atomic_file.hpp"
 #include "in_child.hpp"
 #include "service/sandbox/call_filter.hpp"
 #include "service/sandbox/file_fence.hpp"
+#include "tests/support/without_call.hpp"
 
 namespace palpate {
 namespace servo_sandbox_test {
@@ -186,6 +190,28 @@ TEST_F(Sandbox, WritesInItsOwnFolder) {
   EXPECT_EQ(own([] { return open("/tmp/palpate-fresh", O_WRONLY | O_CREAT, 0600); }), EACCES);
 }
 
+// As device_stamp.hpp (apps/devices) does it: whole or not at all, which elsewhere takes a lock. Also over an older
+// one.
+TEST_F(Sandbox, WritesWholeNotesInItsOwnFolder) {
+  for (const char* words : {"first", "second"}) {
+    const auto write = [&] {
+      static_cast<void>(enterServoSandbox(std::filesystem::path(file("note")).parent_path().string()));
+      writeFileAtomically(file("note"), words);
+      return 0;
+    };
+    EXPECT_EQ(resultInChild(write), 0);
+    std::string note;
+    std::getline(std::ifstream(file("note")), note);
+    EXPECT_EQ(note, words);
+  }
+}
+
+// Read or not, and in its own folder, whatever the kernel's Landlock knows.
+TEST_F(Sandbox, EmptiesNothingByOpening) {
+  EXPECT_EQ(within([&] { return open(file("words").c_str(), O_RDONLY | O_TRUNC); }), EPERM);
+  EXPECT_EQ(std::filesystem::file_size(file("words")), 5U);
+}
+
 TEST_F(Sandbox, LeavesOthersAlone) {
   EXPECT_EQ(within([] { return kill(getppid(), 0); }), EPERM);
   EXPECT_EQ(within([] { return open(("/proc/" + std::to_string(getppid()) + "/mem").c_str(), O_RDONLY); }), EACCES);
@@ -247,6 +273,40 @@ TEST_F(Sandbox, WhatTheSystemRefusesIsNamed) {
               static_cast<void>(enterServoSandbox());
               const std::string words = wordsOf(enterServoSandbox());  // the filter refuses to make another
               return words.find("all system calls (the system offers no filters") != words.npos ? 0 : 1;
+            }),
+            0);
+}
+
+TEST(SandboxWords, NameWhatASystemLacks) {
+  using testing::ElementsAre;
+  const FileFence old = {.stands = true}, whole = {.stands = true, .holds_signals = true, .holds_emptying = true};
+  const FileFence none = {.why_not = "this kernel has no Landlock: take Linux 5.13 or newer"};
+  EXPECT_TRUE(missingOf(whole, "").empty());
+  EXPECT_TRUE(missingOf(old, "").empty()) << "the filter holds what this Landlock does not";
+  EXPECT_THAT(missingOf(whole, "why"), ElementsAre("all system calls (why)"));
+  EXPECT_THAT(missingOf(old, "why"),
+              ElementsAre("emptying files (this kernel's Landlock is too old for it: take Linux 6.2 or newer)",
+                          "all system calls (why)"));
+  EXPECT_THAT(missingOf(none, ""),
+              ElementsAre("all of /dev and writing files (this kernel has no Landlock: take Linux 5.13 or newer)"));
+}
+
+// What to do is said where it helps: no newer kernel makes a folder that is not there.
+TEST_F(Sandbox, TheRemedyFitsTheReason) {
+  EXPECT_EQ(resultInChild([] {
+              if (!loseCall(SYS_landlock_create_ruleset, EOPNOTSUPP)) return 2;
+              const std::string words = wordsOf(enterServoSandbox());
+              return words.find(
+                         "all of /dev and writing files (Landlock is switched off in this kernel: add it to "
+                         "lsm=") != words.npos &&
+                             words.find("5.13") == words.npos
+                         ? 0
+                         : 1;
+            }),
+            0);
+  EXPECT_EQ(resultInChild([] {
+              const std::string words = wordsOf(enterServoSandbox("/there/is/none"));
+              return words.find("(No such file or directory)") != words.npos ? 0 : 1;
             }),
             0);
 }
