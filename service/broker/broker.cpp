@@ -11,16 +11,16 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <linux/capability.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/close_from.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "service/messages/message.hpp"
+#include "service/sandbox/capabilities.hpp"
+#include "service/sandbox/memory_images.hpp"
 
 namespace palpate {
 namespace {
@@ -35,20 +35,15 @@ constexpr int kOurs = 3;                  // the descriptor over there
 // What it needs is this user's already: a socket of this user, and a device that this user may open.
 void giveUpRights() {
   prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
-  __user_cap_header_struct head = {.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
-  const __user_cap_data_struct none[2] = {};
-  syscall(SYS_capset, &head, none);
-  const rlimit no_image = {0, 0};
-  setrlimit(RLIMIT_CORE, &no_image);
-  prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
+  static_cast<void>(dropCapabilities(RealTime::kGivenUp));
+  static_cast<void>(refuseMemoryImages());
 }
 
 void closeAllBut(const Channel& channel) {
   const int sink = open("/dev/null", O_RDWR);
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(sink, standard);
   dup3(channel.descriptor(), kOurs, O_CLOEXEC);
-  syscall(SYS_close_range, kOurs + 1, ~0U, 0);
+  closeFrom(kOurs + 1, Closing::kNow);
 }
 
 void answer(Channel& channel, const Broker::Tasks& tasks, const std::string& request) {
@@ -86,7 +81,13 @@ void answer(Channel& channel, const Broker::Tasks& tasks, const std::string& req
   _exit(0);
 }
 
-[[noreturn]] void become(const Channel& channel, const Broker::Tasks& tasks) noexcept {
+// The connection ends when nobody holds its other end any more: so this process must not hold it, whatever becomes of
+// the rest. One that hangs in a task, and so hears of no end, is killed; but not where the fence of a servo's files
+// holds its signals, also this one (Landlock since Linux 6.12).
+[[noreturn]] void become(pid_t servo, Channel& other_end, const Channel& channel, const Broker::Tasks& tasks) noexcept {
+  other_end.close();
+  prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
+  if (getppid() != servo) _exit(0);  // it died before the line above
   prctl(PR_SET_NAME, "palpate-broker", 0, 0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) static_cast<void>(std::signal(signal, SIG_IGN));
   closeAllBut(channel);
@@ -102,11 +103,13 @@ void answer(Channel& channel, const Broker::Tasks& tasks, const std::string& req
 
 Broker::Broker(Tasks tasks, std::chrono::milliseconds patience) : patience_ms_(static_cast<int>(patience.count())) {
   auto [ours, theirs] = channelPair();
+  const pid_t servo = getpid();
   process_ = fork();
   if (process_ < 0)
-    throw Error(Error::Code::kIo, kWho, formatted("no process can be started for it ({})", std::strerror(errno)),
+    throw Error(Error::Code::kOutOfMemory, kWho,
+                formatted("no process can be started for it ({})", std::strerror(errno)),
                 "end other programs, or raise the limit of processes (ulimit -u)");
-  if (process_ == 0) become(theirs, tasks);
+  if (process_ == 0) become(servo, ours, theirs, tasks);
   channel_ = std::move(ours);
 }
 
@@ -127,11 +130,6 @@ Descriptor Broker::open(const std::string& path) {
   return ask(kOpen, path);
 }
 
-bool Broker::isGone() const {
-  const std::lock_guard lock(mutex_);
-  return !channel_.open();
-}
-
 Descriptor Broker::ask(char kind, const std::string& words) {
   if (words.size() > kMostWords)
     throw Error(Error::Code::kBadInput, kWho, formatted("{} bytes are no path", words.size()), "name a shorter one");
@@ -141,7 +139,10 @@ Descriptor Broker::ask(char kind, const std::string& words) {
   Channel::Got got = Channel::Got::kClosed;
   if (channel_.send(std::as_bytes(std::span(request)), patience_ms_)) got = channel_.receive(packet, patience_ms_);
   // An answer that came later would be taken for that of another question.
-  if (got != Channel::Got::kPacket) channel_.close();
+  if (got != Channel::Got::kPacket) {
+    channel_.close();
+    is_gone_ = true;
+  }
   if (got == Channel::Got::kClosed) refuseGone("its process has ended");
   if (got == Channel::Got::kNothing) refuseGone("its process does not answer");
   if (packet.attached) return std::move(packet.attached);

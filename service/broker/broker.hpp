@@ -8,9 +8,10 @@
 // greeting of a servo when it arrives here, and an engine takes nothing but a servo's messages on it from then on.
 //
 // It has no capabilities, no rights to gain, and no memory image. It ends when this object does, or its process,
-// however that ends; signals to end it before do nothing. Linux only.
+// however that ends, since their connection ends then; signals to end it before do nothing. Linux only.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -31,13 +32,13 @@ class Broker {
     // A connection on which the greeting of a servo was sent, with this number and nothing else of the servo's choice.
     // Empty: it connects to nobody.
     std::function<Channel(std::uint64_t first_version)> greet = {};
-    std::function<Descriptor(const std::string& path)> open = {};  // as openHidrawNode() (servo/hid)
+    std::function<Descriptor(const std::string& path)> open = {};  // as openKnownNode() (apps/devices)
   };
   static constexpr std::chrono::milliseconds kPatience{10'000};  // for an answer
 
-  // Starts the process; the only thread, before it starts others. Throws Error(kIo) if none can be started. The tasks
-  // run over there, and see what was there at this moment. Descriptors but the standard ones, which go nowhere, are not
-  // open there.
+  // Starts the process; the only thread, before it starts others. Throws Error(kOutOfMemory) if none can be started
+  // now. The tasks run over there, and see what was there at this moment. Descriptors but the standard ones, which go
+  // nowhere, are not open there.
   explicit Broker(Tasks tasks, std::chrono::milliseconds patience = kPatience);
   ~Broker();  // its process ends; one that hangs is waited for a second, and ends when it can
   Broker(const Broker&) = delete;
@@ -47,15 +48,16 @@ class Broker {
   // answer, and then at each call.
   [[nodiscard]] Channel greet(std::uint64_t first_version);
   [[nodiscard]] Descriptor open(const std::string& path);
-  // No call will work any more.
-  [[nodiscard]] bool isGone() const;
+  // It was asked in vain, and no call will work any more. Any thread; waits for nobody.
+  [[nodiscard]] bool isGone() const noexcept { return is_gone_; }
 
  private:
   [[nodiscard]] Descriptor ask(char kind, const std::string& words);
 
   const int patience_ms_;
-  mutable std::mutex mutex_;  // guards the next
+  std::mutex mutex_;  // guards the next
   Channel channel_;
+  std::atomic<bool> is_gone_{false};
   pid_t process_ = -1;
 };
 

@@ -208,7 +208,7 @@ bool Channel::isOfOurs() const noexcept {
 std::pair<Channel, Channel> channelPair() {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0)
-    refuseSocket("channel", Error::Code::kIo, formatted("no socket can be made ({})", std::strerror(errno)),
+    refuseSocket("channel", Error::Code::kOutOfMemory, formatted("no socket can be made ({})", std::strerror(errno)),
                  "raise the limit of open files (ulimit -n)");
   std::pair<Channel, Channel> both{Channel(Descriptor(ends[0])), Channel(Descriptor(ends[1]))};
   both.first.knowSenders();

@@ -57,7 +57,7 @@ class Channel {
   Descriptor socket_;
 };
 
-// Two ends of one connection. Throws Error(kIo).
+// Two ends of one connection. Throws Error(kOutOfMemory): no descriptor, or no memory, is left.
 [[nodiscard]] std::pair<Channel, Channel> channelPair();
 
 // A place where others connect: a socket that only this user's processes can open (mode 0600).
