@@ -106,6 +106,19 @@ const HidInfo& chooseHid(const DeviceKind& kind, std::span<const HidInfo> all, c
   refuseNone(kind, all);
 }
 
+void refuseUnknown(const std::string& path, const HidNumbers& numbers) {
+  const auto has = [&](const DeviceKind& kind) { return kind.idOf(numbers.vendor, numbers.product) != nullptr; };
+  if (std::ranges::any_of(knownDeviceKinds(), has)) return;
+  refuse(path, fmt::format("{} is no device of a known kind", usbText(numbers.vendor, numbers.product)),
+         "'palpate devices' lists the kinds; start the servo again if its kind was added since");
+}
+
+Descriptor openKnownNode(const std::string& path) {
+  Descriptor node = openHidrawNode(path);
+  refuseUnknown(path, numbersAt(node, path));
+  return node;
+}
+
 HidChoice chooseHid(const DeviceKind& kind, const std::string& path, HidBackEnd back_end) {
   const std::vector<HidInfo> all = listHid(back_end);
   HidChoice choice;

@@ -12,6 +12,7 @@
 #include "apps/devices/device_table.hpp"
 #include "apps/devices/motor_stamp.hpp"
 #include "servo/hid/hid.hpp"
+#include "servo/hid/hidraw_node.hpp"
 
 namespace palpate {
 
@@ -29,6 +30,13 @@ enum class Fit {
 // The device of this kind; with a path, the one there. Throws Error: kNotFound if there is none, with what is there
 // instead; kBadInput if there are several, or if the path's is another.
 [[nodiscard]] const HidInfo& chooseHid(const DeviceKind& kind, std::span<const HidInfo> all, const std::string& path);
+
+// A node of hidraw, opened, for whoever may not open one (service/broker): of a known kind by its USB numbers, which
+// the kernel says, and so no keyboard and no security key. Throws Error as openHidrawNode() and numbersAt() do
+// (servo/hid/hidraw_node.hpp), and as refuseUnknown().
+[[nodiscard]] Descriptor openKnownNode(const std::string& path);
+// Throws Error(kBadInput) for USB numbers that no known kind has (knownDeviceKinds()).
+void refuseUnknown(const std::string& path, const HidNumbers& numbers);
 
 struct HidChoice {
   HidInfo device;

@@ -40,6 +40,7 @@ std::string lastError(hid_device* device) {
   return words.empty() ? "hidapi does not say why" : words;
 }
 
+#ifdef PALPATE_HIDAPI_OPENS
 class HidPort final : public ReportPort {
  public:
   explicit HidPort(hid_device* device) : device_(device) {}
@@ -60,6 +61,18 @@ class HidPort final : public ReportPort {
  private:
   hid_device* device_;
 };
+
+std::unique_ptr<ReportPort> openPath(const std::string& path, std::string& why_not) {
+  hid_device* const device = hid_open_path(path.c_str());
+  if (device == nullptr) {
+    why_not = lastError(nullptr);
+    return nullptr;
+  }
+  return std::make_unique<HidPort>(device);
+}
+#else
+constexpr decltype(HidModule::open) openPath = nullptr;
+#endif
 
 std::string begin() {
   return hid_init() == 0 ? "" : lastError(nullptr);
@@ -82,15 +95,6 @@ std::vector<HidInfo> list() {
   }
   hid_free_enumeration(first);
   return all;
-}
-
-std::unique_ptr<ReportPort> openPath(const std::string& path, std::string& why_not) {
-  hid_device* const device = hid_open_path(path.c_str());
-  if (device == nullptr) {
-    why_not = lastError(nullptr);
-    return nullptr;
-  }
-  return std::make_unique<HidPort>(device);
 }
 
 std::string version() {

@@ -11,7 +11,8 @@ struct HidModule {
 
   std::string (*begin)();  // why hidapi cannot begin; empty: it can
   std::vector<HidInfo> (*list)();
-  std::unique_ptr<ReportPort> (*open)(const std::string& path, std::string& why_not);  // null: why_not says why
+  // Null, and why_not says why. Of "hidusb" alone: nodes of hidraw are opened by hidraw_node.hpp.
+  std::unique_ptr<ReportPort> (*open)(const std::string& path, std::string& why_not);
   std::string (*version)();
 };
 

@@ -9,7 +9,9 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <linux/hidraw.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
@@ -78,6 +80,14 @@ Descriptor openHidrawNode(const std::string& path) {
   if (!isHidraw(node, path))
     throw Error(Error::Code::kBadInput, path, "what lies there is no device of hidraw", "'palpate doctor' lists these");
   return node;
+}
+
+HidNumbers numbersAt(const Descriptor& node, const std::string& path) {
+  hidraw_devinfo info{};
+  if (ioctl(node.get(), HIDIOCGRAWINFO, &info) != 0)
+    throw Error(Error::Code::kDevice, path, formatted("the kernel does not say what it is: {}", std::strerror(errno)),
+                "plug the device in again");
+  return {static_cast<std::uint16_t>(info.vendor), static_cast<std::uint16_t>(info.product)};
 }
 
 std::unique_ptr<ReportPort> portAt(Descriptor node) {

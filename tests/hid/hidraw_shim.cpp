@@ -3,8 +3,9 @@
 //
 // umockdev (its own preloaded library) gives the program a /sys in which the device is found; it does not carry reads
 // and polls as hidraw does. So here opening a node connects to the socket PALPATE_HID_SOCKETS/hidrawN; read, write and
-// poll are then the kernel's own, on whole packets. hidapi asks hidraw for the size of its report descriptor, and its
-// fstat() must say that the node is a character device. A device that is gone gives ENODEV, as hidraw does.
+// poll are then the kernel's own, on whole packets. hidapi asks hidraw for the size of its report descriptor, the
+// program for its USB numbers, and fstat() must say that the node is a character device. A device that is gone gives
+// ENODEV, as hidraw does.
 #include <cerrno>
 #include <cstdarg>
 #include <cstdio>
@@ -61,6 +62,23 @@ int openNode(const char* path, int node) {
   return descriptor;
 }
 
+// As umockdev's /sys has them.
+int numbersOf(int node, void* to) {
+  char name[64];
+  std::snprintf(name, sizeof name, "/sys/class/hidraw/hidraw%d/device/uevent", node);
+  std::FILE* const file = std::fopen(name, "re");
+  unsigned bus = 0, vendor = 0, product = 0;
+  char line[256];
+  bool is_known = false;
+  while (file != nullptr && !is_known && std::fgets(line, sizeof line, file) != nullptr)
+    is_known = std::sscanf(line, "HID_ID=%x:%x:%x", &bus, &vendor, &product) == 3;
+  if (file != nullptr) std::fclose(file);
+  auto* const info = static_cast<hidraw_devinfo*>(to);
+  *info = {.bustype = bus, .vendor = static_cast<__s16>(vendor), .product = static_cast<__s16>(product)};
+  errno = EINVAL;
+  return is_known ? 0 : -1;
+}
+
 }  // namespace
 
 extern "C" {
@@ -95,6 +113,7 @@ int ioctl(int descriptor, unsigned long request, ...) noexcept {
       *static_cast<int*>(argument) = 32;
       return 0;
     }
+    if (request == static_cast<unsigned long>(HIDIOCGRAWINFO)) return numbersOf(node_of[descriptor] - 1, argument);
     errno = EINVAL;
     return -1;
   }

@@ -60,5 +60,17 @@ TEST(ChooseHid, SaysWhyThereIsNone) {
   EXPECT_THAT(refusal(kNone, {keyboard()}, "/dev/hidraw9"), HasSubstr("there is no HID device"));
 }
 
+// What a broker opens for a servo (apps/servo_rights): what a scene may name, and no keyboard or security key.
+TEST(ChooseHid, OnlyKnownNumbersAreOpenedForAServo) {
+  for (const DeviceKind& one : knownDeviceKinds())
+    for (const UsbId& usb : one.usb) EXPECT_NO_THROW(refuseUnknown("/dev/hidraw0", {usb.vendor, usb.product}));
+  for (const HidNumbers& other : {HidNumbers{0x1050, 0x0407}, HidNumbers{keyboard().vendor, keyboard().product},
+                                  HidNumbers{0x1234, 7}, HidNumbers{6, 0x1234}, HidNumbers{}})
+    EXPECT_THAT(refusalOf([&] { refuseUnknown("/dev/hidraw0", other); }, kWrong),
+                HasSubstr("/dev/hidraw0: " + usbText(other.vendor, other.product) + " is no device of a known kind"));
+  EXPECT_THAT(refusalOf([] { static_cast<void>(openKnownNode("/dev/null")); }, kWrong),
+              HasSubstr("no device of hidraw"));
+}
+
 }  // namespace choose_hid_test
 }  // namespace palpate

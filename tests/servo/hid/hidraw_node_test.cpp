@@ -6,10 +6,13 @@
 #include <array>
 #include <string>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <sys/socket.h>
 
 #include "base/error.hpp"
+#include "base/module.hpp"
+#include "servo/hid/hid_module.hpp"
 
 namespace palpate {
 namespace hidraw_node_test {
@@ -40,6 +43,27 @@ TEST(HidrawNode, OneThatIsNotThereIsTold) {
   std::string words;
   EXPECT_EQ(refusalOf("/dev/hidraw99999", &words), Error::Code::kNotFound);
   EXPECT_THAT(words, HasSubstr("/dev/hidraw99999: it is not there any more; plug the device in"));
+}
+
+// Where nobody says which device it is, it is not handed over.
+TEST(HidrawNode, WhatTheKernelSaysNothingOfIsTold) {
+  const Descriptor nothing(open("/dev/null", O_RDWR | O_CLOEXEC));
+  try {
+    static_cast<void>(numbersAt(nothing, "/dev/hidraw3"));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), Error::Code::kDevice);
+    EXPECT_THAT(error.what(), HasSubstr("/dev/hidraw3: the kernel does not say what it is"));
+  }
+}
+
+// hidapi opens devices of libusb alone.
+TEST(HidModules, OnlyThatOfLibusbOpens) {
+  const auto tableOf = [](const char* name) {
+    return static_cast<const HidModule*>(moduleTable(moduleFile(name), HidModule::kTable));
+  };
+  EXPECT_EQ(tableOf("hidraw")->open, nullptr);
+  EXPECT_NE(tableOf("hidusb")->open, nullptr);
 }
 
 class NodePorts : public testing::Test {
