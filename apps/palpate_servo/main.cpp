@@ -7,33 +7,29 @@
 // (service/sandbox), but for --no-sandbox behind them, with which a debugger can look into it. A second process then
 // connects to engines and opens HID devices for it (service/broker). Behind --connect may also stand what it never
 // exceeds (apps/servo_side/servo_ceilings.hpp), and --calibrated.
-#include <algorithm>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include <fcntl.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include "apps/console/message.hpp"
+#include "apps/servo_rights/give_up_rights.hpp"
 #include "apps/servo_side/servo_host.hpp"
 #include "apps/servo_side/servo_keeper.hpp"
+#include "base/close_from.hpp"
+#include "base/descriptor.hpp"
 #include "base/error.hpp"
-#include "base/module.hpp"
 #include "base/user_folders.hpp"
 #include "service/broker/broker.hpp"
 #include "service/sandbox/servo_sandbox.hpp"
-#include "servo/hid/hid.hpp"
-#include "servo/hid/hidraw_node.hpp"
 #include "version.hpp"
 
 namespace {
@@ -50,23 +46,21 @@ void tell(const std::string& words) {
   palpate::tellUser("servo: " + words);
 }
 
-constexpr unsigned kFirstOfOthers = 3;  // descriptors
+// A shell opens its terminal once, to read and to write, and gives that as each of the standard streams.
+void onlyWriteTo(int output) {
+  if (isatty(output) == 0) return;
+  const palpate::Descriptor writes(
+      open(("/proc/self/fd/" + std::to_string(output)).c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC));
+  if (writes) dup2(writes.get(), output);
+}
 
 // Whoever started this program may have left files open, which could still be written to, and a terminal, in which
 // somebody types.
 void closeWhatIsLeft(int but) {
   const int nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
-  const auto kept = static_cast<unsigned>(but);
-  if (kept > kFirstOfOthers) syscall(SYS_close_range, kFirstOfOthers, kept - 1, 0);
-  syscall(SYS_close_range, std::max(kept + 1, kFirstOfOthers), ~0U, 0);
-}
-
-// All that a scene may ever need: afterwards nothing can be loaded. The build knows the modules of the rooms that are
-// linked here.
-void loadLibraries() {
-  palpate::loadAhead({PALPATE_SERVO_MODULES});
-  palpate::loadHidNames();
+  palpate::closeFrom(STDERR_FILENO + 1, palpate::Closing::kNow, but);
+  for (const int output : {STDOUT_FILENO, STDERR_FILENO}) onlyWriteTo(output);
 }
 
 // In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:
@@ -78,19 +72,25 @@ std::string ownFolder() {
   return std::filesystem::is_directory(folder, ignored) ? folder.string() : std::string();
 }
 
-// What an engine starts is part of its run, which says enough: only what is missing is told there.
-void giveUpRights(bool is_made) {
-  const palpate::SandboxReport report = palpate::enterServoSandbox(ownFolder());
-  if (!is_made || !report.missing.empty()) palpate::tellUser("servo: " + palpate::wordsOf(report));
+// Without its broker a servo never gets a device back that was unplugged, so it ends, and whoever watches over it
+// starts another one. It is known to be gone once a device that is back was asked of it in vain.
+void checkBroker(const palpate::Broker* broker) {
+  if (broker != nullptr && broker->isGone())
+    throw std::runtime_error(
+        "the servo's broker: it is gone, and the device was to be opened again; start the servo "
+        "again");
 }
 
 // A signal to the whole group is the engine's to answer: the force goes to zero when its channel says so, or is closed.
-void serveMaker(const char* number, const palpate::ServoCeilings& ceilings) {
+void serveMaker(const char* number, const palpate::ServoCeilings& ceilings, const palpate::Broker* broker) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) static_cast<void>(std::signal(signal, SIG_IGN));
   const int descriptor = std::atoi(number);
   fcntl(descriptor, F_SETFD, FD_CLOEXEC);
   palpate::ServoHost(false, palpate::programCommit(), tell, ceilings)
-      .serve(palpate::Channel(palpate::Descriptor(descriptor)));
+      .serve(palpate::Channel(palpate::Descriptor(descriptor)), [broker] {
+        checkBroker(broker);
+        return false;
+      });
 }
 
 palpate::Channel reach(const std::string& socket, std::uint64_t first_version) {
@@ -118,7 +118,11 @@ void serveWhoeverListens(const std::string& socket, const palpate::ServoCeilings
                             return broker != nullptr ? reachBy(*broker, first_version) : reach(socket, first_version);
                           },
                       .ceilings = ceilings,
-                      .stopped = [] { return stop_asked != 0; },
+                      .stopped =
+                          [broker] {
+                            if (stop_asked == 0) checkBroker(broker);
+                            return stop_asked != 0;
+                          },
                       .tell = tell});
 }
 
@@ -149,20 +153,20 @@ int main(int argc, char** argv) {
       return kUsage;
     }
     ceilings = palpate::tighter(ceilings, palpate::ceilingsOfFile(palpate::ceilingsFile()));
-    std::optional<palpate::Broker> broker;
+    palpate::WithoutRights without;
     if (is_open) {
       palpate::tellUser("servo: --no-sandbox: it keeps all its rights, and is for debugging only");
     } else {
       closeWhatIsLeft(is_made ? std::atoi(argv[2]) : STDERR_FILENO);
-      palpate::Broker::Tasks tasks{.open = palpate::openHidrawNode};
-      if (stays) tasks.greet = [socket = std::string(argv[2])](std::uint64_t number) { return reach(socket, number); };
-      broker.emplace(std::move(tasks));
-      palpate::openHidrawBy([&](const std::string& path) { return broker->open(path); });
-      loadLibraries();
-      giveUpRights(is_made);
+      palpate::RightsNeeded needed{.modules = {PALPATE_SERVO_MODULES}, .own_folder = ownFolder()};
+      if (stays) needed.greet = [socket = std::string(argv[2])](std::uint64_t number) { return reach(socket, number); };
+      without = palpate::giveUpRights(needed);
+      // What an engine starts is part of its run, which says enough: only what is missing is told there.
+      if (!is_made || !without.report.missing.empty()) tell(palpate::wordsOf(without.report));
     }
     engine_is_told = is_made;
-    is_made ? serveMaker(argv[2], ceilings) : serveWhoeverListens(argv[2], ceilings, broker ? &*broker : nullptr);
+    palpate::Broker* const broker = without.broker.get();
+    is_made ? serveMaker(argv[2], ceilings, broker) : serveWhoeverListens(argv[2], ceilings, broker);
     return 0;
   } catch (const palpate::Error& error) {
     if (!engine_is_told) palpate::tellError(error.what());

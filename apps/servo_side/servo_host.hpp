@@ -39,7 +39,8 @@ class ServoHost {
 
   // Until the run that this engine asks for has ended, the engine says that it leaves, or `stopped` says so, which is
   // asked every some milliseconds. `is_greeted`: the greeting, with firstVersion(), was sent already. Throws Error:
-  // kDevice if the engine is gone before; what its messages make impossible, which the engine is told too.
+  // kDevice if the engine is gone before; what its messages make impossible, which the engine is told too; and what
+  // `stopped` throws.
   void serve(
       Channel channel, const std::function<bool()>& stopped = [] { return false; }, bool is_greeted = false);
 

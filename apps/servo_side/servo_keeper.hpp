@@ -21,7 +21,7 @@ struct ServoKeeping {
   // told, and it is tried again; anything else that it throws ends the servo.
   std::function<Channel(std::uint64_t first_version)> reach;
   ServoCeilings ceilings = {};
-  std::function<bool()> stopped;
+  std::function<bool()> stopped;  // what it throws ends the servo, too
   // That an engine came, went, was refused, or asked for more than the ceilings allow, the same words once; that one
   // sends no windows, or does again (stale_watch.hpp); and what real time a loop lacks, once for each loop.
   std::function<void(const std::string&)> tell;
@@ -30,8 +30,8 @@ struct ServoKeeping {
 // Connects to the engine at `socket` and greets it. Throws Error as connectTo(), and kDevice if it is gone again.
 [[nodiscard]] Channel reachEngine(const std::string& socket, const std::string& commit, std::uint64_t first_version);
 
-// Throws nothing but what ServoHost's end and `reach` throw: an engine that is not there, not this user's, or asks for
-// what cannot be is told, and looked for again.
+// Throws nothing but what ServoHost's end, `reach` and `stopped` throw: an engine that is not there, not this user's,
+// or asks for what cannot be is told, and looked for again.
 void keepServo(const ServoKeeping& keeping);
 
 }  // namespace palpate

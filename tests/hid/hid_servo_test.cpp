@@ -178,5 +178,25 @@ TEST_F(HidServo, SaysThatEachBoardGetsWhatTheWeakestBears) {
   EXPECT_EQ(endServo(), 0) << contentsOf(file("servo.log"));
 }
 
+// The device is unplugged and plugged in again beside an engine that lives. Without its broker a servo cannot open it:
+// it says so and ends, so that whoever watches over it starts one that can. While the device is there it goes on.
+TEST_F(HidServo, ADeviceThatIsBackWithoutABrokerEndsTheServo) {
+  writeWay("phantom:sphere?size=64", 1, 2, 0.7);
+  serve(kArmInTheMiddle + Words{"--stiffness", "400", "--force-limit", "0.5"});
+  join({"--path", "way.csv", "--unplug-after", "12000", "--replug-ms", "500"}, {});
+  ASSERT_TRUE(presses()) << contentsOf(file("serve.log")) << contentsOf(file("servo.log"));
+  pid_t broker = 0;
+  std::ifstream(fmt::format("/proc/{0}/task/{0}/children", servo())) >> broker;
+  ASSERT_EQ(contentsOf(fmt::format("/proc/{}/comm", broker)), "palpate-broker\n");
+  kill(broker, SIGKILL);
+  for (int look = 0; look < 3000 && servo() > 0; ++look) std::this_thread::sleep_for(milliseconds(20));
+  ASSERT_EQ(servo(), 0) << "it goes on without its device: " << contentsOf(file("servo.log"));
+  const int status = arm_.end(0);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 1) << status;
+  EXPECT_THAT(
+      contentsOf(file("servo.log")),
+      HasSubstr("the servo's broker: it is gone, and the device was to be opened again; start the servo again"));
+}
+
 }  // namespace hid_servo_test
 }  // namespace palpate

@@ -48,6 +48,9 @@ constexpr Attempt kAttempts[] = {
     {"shared-write", EACCES, 1},
     // "It reads what the user may read", and writes in its own folder alone.
     {"file-read", 0, 0},
+    {"file-empty", EPERM, 0},
+    {"file-lock", EPERM, 0},
+    {"socket-folder-lock", EPERM, 0},
     {"file-write", EACCES, 1},
     {"file-make", EACCES, 1},
     {"file-remove", EACCES, 1},
@@ -56,6 +59,8 @@ constexpr Attempt kAttempts[] = {
     {"own-memory", EACCES, 0},
     {"left-open", EBADF, 0},
     {"input", ENODATA, 0},
+    {"output", EBADF, 0},
+    {"error-output", EBADF, 0},
     // "Sockets are for whole packets."
     {"internet", EPERM, 0},
     {"desktop", EPERM, 0},
@@ -82,6 +87,12 @@ class ServoFences : public ServiceTest {
     write("words", "words");
   }
   void joinWithProbe() {
+    setProbe();
+    join();
+    unsetenv("LD_PRELOAD");
+  }
+  // For programs that are started now.
+  void setProbe() {
     setenv("PALPATE_PROBE_SOCKET", file("other.sock").c_str(), 1);
     setenv("PALPATE_PROBE_FILE", file("words").c_str(), 1);
     setenv("PALPATE_PROBE_OWN", file("run/palpate/calibrated").c_str(), 1);
@@ -90,13 +101,12 @@ class ServoFences : public ServiceTest {
     const Descriptor memory(shm_open(shared_.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600));
     setenv("PALPATE_PROBE_SHARED", shared_.c_str(), 1);
     setenv("LD_PRELOAD", PALPATE_SERVO_PROBE, 1);
-    join();
-    unsetenv("LD_PRELOAD");
   }
   // What the probe said; it ends with "done".
-  [[nodiscard]] std::map<std::string, int> said() const {
+  [[nodiscard]] std::map<std::string, int> said() const { return saidIn(contentsOf(file("servo.log"))); }
+  [[nodiscard]] static std::map<std::string, int> saidIn(const std::string& words) {
     std::map<std::string, int> all;
-    std::istringstream log(contentsOf(file("servo.log")));
+    std::istringstream log(words);
     for (std::string line; std::getline(log, line);) {
       std::istringstream words(line);
       std::string probe, name;
@@ -133,6 +143,33 @@ TEST_F(ServoFences, HoldFromWithin) {
         << contentsOf(file("servo.log"));
     engine.end(SIGKILL);
   }
+}
+
+// As a shell gives it to a program: one descriptor to read and to write, three times. What is typed is not the servo's
+// to read; what it says is there.
+TEST_F(ServoFences, ATerminalIsThereToWriteToAlone) {
+  if (!hasCallFilters()) GTEST_SKIP() << "this kernel has no seccomp";
+  const Descriptor screen(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK));
+  if (!screen || grantpt(screen.get()) != 0 || unlockpt(screen.get()) != 0)
+    GTEST_SKIP() << "this machine gives no terminal";
+  const std::string terminal = ptsname(screen.get());
+  ASSERT_EQ(write(screen.get(), "secret\n", 7), 7);  // there to be read, so a read that is let through ends
+  setProbe();
+  servo = RunningProgram("/bin/sh", {"-c", "exec \"$0\" servo <>\"$1\" >&0 2>&0", PALPATE_PROGRAM, terminal}, folder(),
+                         "unused.log");
+  unsetenv("LD_PRELOAD");
+  std::string shown;
+  for (int look = 0; look < 1000 && shown.find("probe done") == shown.npos; ++look) {
+    char bytes[4096];
+    const ssize_t got = read(screen.get(), bytes, sizeof bytes);
+    if (got > 0) shown.append(bytes, static_cast<std::size_t>(got));
+    if (got <= 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  const std::map<std::string, int> results = saidIn(shown);
+  ASSERT_TRUE(results.contains("done")) << shown;
+  EXPECT_EQ(results.at("output"), EBADF);
+  EXPECT_EQ(results.at("error-output"), EBADF);
+  EXPECT_EQ(results.at("input"), ENODATA);
 }
 
 // In the words of docs/service.md, where this system has all of it.

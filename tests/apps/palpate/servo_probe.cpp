@@ -17,6 +17,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sched.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
@@ -98,6 +99,15 @@ long codeInAPage() {
   return mprotect(page, 4096, PROT_READ | PROT_EXEC);
 }
 
+// Of the C library, and used by nobody. The loader says in words alone what the kernel said.
+long libraryLoaded() {
+  if (dlopen("libBrokenLocale.so.1", RTLD_NOW) != nullptr) return 0;
+  const char* const words = dlerror();
+  const bool is_refused = words != nullptr && std::strstr(words, std::strerror(EPERM)) != nullptr;
+  errno = is_refused ? EPERM : ENOENT;
+  return -1;
+}
+
 // Whether another process opens the file for this one: whoever is at the other end of what is open here is asked.
 long openedByTheBroker() {
   const std::string request = "o" + given("FILE");
@@ -142,17 +152,19 @@ void probe() {
   attempt("code-in-memory", codeInMemory);
   attempt("code-in-page", codeInAPage);
   attempt("code-in-file", [] { return mapped(open("/proc/self/exe", O_RDONLY | O_CLOEXEC)); });
-  attempt("library", [] {
-    const bool loaded = dlopen("libBrokenLocale.so.1", RTLD_NOW) != nullptr;
-    errno = EPERM;
-    return loaded ? 0 : -1;
-  });
+  attempt("library", libraryLoaded);
   attempt("program", [] { return inChild([] { return execl("/bin/true", "true", nullptr); }); });
   attempt("device-read", [] { return opened("/dev/zero", O_RDONLY); });
   attempt("device-write", [] { return opened("/dev/zero", O_RDWR); });
   attempt("shared-read", [&] { return opened(shared, O_RDONLY); });
   attempt("shared-write", [&] { return opened(shared, O_RDWR); });
   attempt("file-read", [&] { return opened(file, O_RDONLY); });
+  attempt("file-empty", [&] { return opened(file, O_RDONLY | O_TRUNC); });
+  attempt("file-lock", [&] { return flock(open(file.c_str(), O_RDONLY | O_CLOEXEC), LOCK_EX | LOCK_NB); });
+  attempt("socket-folder-lock", [&] {
+    const std::string folder = file.substr(0, file.rfind('/'));
+    return flock(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC), LOCK_EX | LOCK_NB);
+  });
   attempt("file-write", [&] { return opened(file, O_WRONLY); });
   attempt("file-make", [&] { return opened(file + ".fresh", O_WRONLY | O_CREAT); });
   attempt("file-remove", [&] { return unlink(file.c_str()); });
@@ -167,6 +179,11 @@ void probe() {
     errno = ENODATA;
     return is_nothing ? -1 : 0;
   });
+  for (const int output : {STDOUT_FILENO, STDERR_FILENO})
+    attempt(output == STDOUT_FILENO ? "output" : "error-output", [output] {
+      char byte = 0;
+      return read(output, &byte, 1);
+    });
   attempt("internet", [] { return socket(AF_INET, SOCK_STREAM, 0); });
   attempt("desktop", [] { return socket(AF_UNIX, SOCK_STREAM, 0); });
   attempt("signal-parent", [] { return kill(getppid(), 0); });

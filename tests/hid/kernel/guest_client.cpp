@@ -5,19 +5,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/devices/choose_hid.hpp"
+#include "apps/servo_rights/give_up_rights.hpp"
 #include "base/error.hpp"
-#include "base/module.hpp"
-#include "service/broker/broker.hpp"
-#include "service/sandbox/servo_sandbox.hpp"
 #include "servo/devices/force_off.hpp"
 #include "servo/devices/registry.hpp"
 #include "servo/devices/simulated_device.hpp"
-#include "servo/hid/hidraw_node.hpp"
 #include "tests/hid/kernel/guest_way.hpp"
 
 namespace palpate {
@@ -204,16 +200,12 @@ int main(int count, char** words) {
   if (count != 3) return 2;
   const std::string chosen = words[1];
   const auto back_end = chosen.starts_with("libusb") ? palpate::HidBackEnd::kLibusb : palpate::HidBackEnd::kHidraw;
-  std::optional<palpate::Broker> broker;
+  palpate::WithoutRights without;
   try {
     if (chosen.ends_with("-sandboxed")) {
-      broker.emplace(palpate::Broker::Tasks{.open = palpate::openHidrawNode});
-      palpate::openHidrawBy([&](const std::string& path) { return broker->open(path); });
-      palpate::loadAhead({"hidraw", "hidusb"});
-      palpate::loadHidNames();
-      const palpate::SandboxReport report = palpate::enterServoSandbox();
-      std::printf("  %s\n", palpate::wordsOf(report).c_str());
-      if (!report.missing.empty()) return 1;
+      without = palpate::giveUpRights({.modules = {"hidraw", "hidusb"}});
+      std::printf("  %s\n", palpate::wordsOf(without.report).c_str());
+      if (!without.report.missing.empty()) return 1;
     }
     const bool held = palpate::run(words[2], back_end);
     std::fflush(stdout);
