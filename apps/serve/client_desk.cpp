@@ -185,10 +185,12 @@ void ClientDesk::tellThatAllPlacesAreTaken(Client& client) {
 
 // Somebody may have left, or become idle, since it came.
 bool ClientDesk::mayAsk(Client& client, const wire::AskT& ask, std::int64_t sender) {
-  if (served_.isServo(sender) || served_.isServo(client.process)) {
-    tellOfClient(fmt::format("client {} (process {}) is turned away: it is a servo", client.number, sender));
+  const bool sender_is_servo = served_.isServo(sender);
+  if (sender_is_servo || served_.isServo(client.process)) {
+    const std::int64_t servo = sender_is_servo ? sender : client.process;  // that one connected, and this one sent
+    tellOfClient(fmt::format("client {} (process {}) is turned away: it is a servo", client.number, servo));
     turnAway(client.channel, Error(Error::Code::kBadInput, "the service",
-                                   fmt::format("process {} is its servo, which asks for nothing", sender),
+                                   fmt::format("process {} is its servo, which asks for nothing", servo),
                                    "ask from a program of your own, as palpate ctl"));
     return false;
   }

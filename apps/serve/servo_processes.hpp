@@ -2,7 +2,8 @@
 // apps/serve/servo_processes.hpp: which processes have been servos of this service, as long as they live.
 //
 // A process is known by its number, and the kernel is asked whether it still lives: another one that comes to have the
-// number later is not meant. Any thread. Some system calls.
+// number later is not meant. Where the kernel gives no descriptor for that (none is left, or it is older than 5.3) that
+// other one is taken for a servo, too, rather than a servo for none. Any thread. Some system calls.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ class ServoProcesses {
  private:
   struct One {
     std::int64_t process = 0;
-    Descriptor life;  // pidfd_open(2)
+    Descriptor life;  // pidfd_open(2); none: the kernel gave none
   };
   void forgetEnded();
 

@@ -534,13 +534,13 @@ TEST_F(BadClients, AServoAsksForNothing) {
   while (greets.receive(packet, 20'000) == Channel::Got::kPacket) {
   }
   ASSERT_FALSE(greets.open()) << "it is let go, since it is of another version";
-  const auto isRefused = [&](Channel& client, pid_t asker, const std::function<bool()>& ask) {
+  const auto isRefused = [&](Channel& client, pid_t servo, const std::function<bool()>& ask) {
     ASSERT_TRUE(ask());
     ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);
     wire::BodyUnion body = decoded(packet.bytes, "the service");
     const auto* const refusal = contentOf<wire::RefusalT>(body);
     ASSERT_NE(refusal, nullptr) << kindOf(body);
-    EXPECT_EQ(refusal->reason, fmt::format("process {} is its servo, which asks for nothing", asker));
+    EXPECT_EQ(refusal->reason, fmt::format("process {} is its servo, which asks for nothing", servo));
     EXPECT_EQ(client.receive(packet, 20'000), Channel::Got::kClosed);
   };
   for (const wire::Verb verb : {wire::Verb::Edit, wire::Verb::Undo, wire::Verb::Save, wire::Verb::Get,
@@ -551,7 +551,7 @@ TEST_F(BadClients, AServoAsksForNothing) {
   isRefused(before, getpid(), [&] { return before.send(question(wire::Verb::Status), 1000); });
   const pid_t child = fork();
   if (child == 0) _exit(handed.send(question(wire::Verb::Undo), 1000) ? 0 : 1);
-  isRefused(handed, child, [&] {
+  isRefused(handed, getpid(), [&] {  // which connected, and not the child that sent
     int status = 0;
     return waitpid(child, &status, 0) == child && status == 0;
   });

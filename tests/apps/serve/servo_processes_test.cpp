@@ -2,13 +2,18 @@
 // Servos are known as long as they live, and no longer: their numbers are given to others then.
 #include "apps/serve/servo_processes.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "tests/support/few_descriptors.hpp"
+#include "tests/support/without_call.hpp"
 
 namespace palpate {
 namespace servo_processes_test {
@@ -59,6 +64,29 @@ TEST(ServoProcesses, NobodyIsNotKnown) {
     servos.note(nobody);
     EXPECT_FALSE(servos.contains(nobody));
   }
+}
+
+// Where the kernel gives no descriptor for a process: none is left, or it has no such call.
+TEST(ServoProcesses, AreKnownWithoutADescriptor) {
+  ServoProcesses servos;
+  Process one;
+  {
+    const FewDescriptors none;
+    servos.note(one.id());
+  }
+  EXPECT_TRUE(servos.contains(one.id()));
+  const pid_t number = one.id();
+  one.end();
+  EXPECT_FALSE(servos.contains(number));
+  const pid_t old = fork();
+  if (old == 0) {
+    if (!loseCall(SYS_pidfd_open, ENOSYS)) _exit(2);
+    servos.note(getpid());
+    _exit(servos.contains(getpid()) ? 0 : 1);
+  }
+  int status = -1;
+  waitpid(old, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 TEST(ServoProcesses, AreNoMoreThanSoMany) {
