@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each sentence of docs/service.md is held by a test, or says why none can hold it (service_page.txt). A sentence that
-// is new or changed wants its line there; a test that is named there exists.
+// is new wants its line there; a test that is named there exists. A row has a checksum of its whole sentence: whoever
+// changes one must look again at what is named there. The row with the new checksum is printed where it is wanted.
+//
+// It does not show that a named test holds all that the sentence says, or is the right one: only somebody who reads
+// both sees that. Nor is a sentence found to be wrong when the program changes and the page does not. Code, headings
+// and figures in other pages are not looked at.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -10,15 +15,17 @@
 #include <string>
 #include <vector>
 
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 
+#include "base/crc32c.hpp"
 #include "program_test.hpp"
 
 namespace palpate {
 namespace service_page_test {
 
 struct Held {
-  std::string beginning;
+  std::string beginning, checksum;
   std::vector<std::string> tests;
   std::string why_none;
 };
@@ -29,12 +36,13 @@ std::vector<Held> heldSentences() {
   for (std::string line; std::getline(in, line);) {
     if (line.empty() || line.starts_with('#')) continue;
     if (!line.starts_with("    ")) {
-      all.push_back({.beginning = line, .tests = {}, .why_none = {}});
+      all.push_back({.beginning = line, .checksum = {}, .tests = {}, .why_none = {}});
       continue;
     }
     const std::size_t bracket = line.find('(');
     if (bracket != line.npos) all.back().why_none = line.substr(bracket);
     std::istringstream words(line.substr(0, bracket));
+    if (all.back().checksum.empty()) words >> all.back().checksum;
     for (std::string word; words >> word;) all.back().tests.push_back(word);
   }
   return all;
@@ -74,6 +82,16 @@ std::vector<std::string> sentencesOf(const std::string& page) {
   return all;
 }
 
+std::string checksumOf(const std::string& sentence) {
+  return fmt::format("{:08x}", crc32c(sentence));
+}
+
+// As it is to stand in the file.
+std::string rowOf(const Held& one, const std::string& sentence) {
+  return fmt::format("{}\n    {} {}{}{}\n", one.beginning, checksumOf(sentence), fmt::join(one.tests, " "),
+                     one.tests.empty() || one.why_none.empty() ? "" : " ", one.why_none);
+}
+
 std::set<std::string> testsThatExist() {
   std::set<std::string> all;
   const std::regex head(R"(^TEST(?:_F|_P)?\((\w+), (\w+)\))");
@@ -98,7 +116,11 @@ TEST(ServicePage, EachSentenceIsHeld) {
     const auto row = std::ranges::find_if(
         held, [&](const Held& one) { return sentence.starts_with(one.beginning) && !used.contains(one.beginning); });
     EXPECT_NE(row, held.end()) << "no line of service_page.txt is about: " << sentence;
-    if (row != held.end()) used.insert(row->beginning);
+    if (row == held.end()) continue;
+    used.insert(row->beginning);
+    EXPECT_EQ(row->checksum, checksumOf(sentence))
+        << "the sentence is another one: see that what is named for it still holds it, and then write\n"
+        << rowOf(*row, sentence) << "of: " << sentence;
   }
   for (const Held& one : held)
     EXPECT_TRUE(used.contains(one.beginning)) << "not on the page any more: " << one.beginning;
