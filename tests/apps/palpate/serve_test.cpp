@@ -534,13 +534,13 @@ TEST_F(BadClients, AServoAsksForNothing) {
   while (greets.receive(packet, 20'000) == Channel::Got::kPacket) {
   }
   ASSERT_FALSE(greets.open()) << "it is let go, since it is of another version";
-  const auto isRefused = [&](Channel& client, pid_t servo, const std::function<bool()>& ask) {
+  const auto isRefused = [&](Channel& client, pid_t named, const std::function<bool()>& ask) {
     ASSERT_TRUE(ask());
     ASSERT_EQ(client.receive(packet, 20'000), Channel::Got::kPacket);
     wire::BodyUnion body = decoded(packet.bytes, "the service");
     const auto* const refusal = contentOf<wire::RefusalT>(body);
     ASSERT_NE(refusal, nullptr) << kindOf(body);
-    EXPECT_EQ(refusal->reason, fmt::format("process {} is its servo, which asks for nothing", servo));
+    EXPECT_EQ(refusal->reason, fmt::format("process {} is its servo, which asks for nothing", named));
     EXPECT_EQ(client.receive(packet, 20'000), Channel::Got::kClosed);
   };
   for (const wire::Verb verb : {wire::Verb::Edit, wire::Verb::Undo, wire::Verb::Save, wire::Verb::Get,

@@ -104,9 +104,9 @@ class ServoFences : public ServiceTest {
   }
   // What the probe said; it ends with "done".
   [[nodiscard]] std::map<std::string, int> said() const { return saidIn(contentsOf(file("servo.log"))); }
-  [[nodiscard]] static std::map<std::string, int> saidIn(const std::string& words) {
+  [[nodiscard]] static std::map<std::string, int> saidIn(const std::string& text) {
     std::map<std::string, int> all;
-    std::istringstream log(words);
+    std::istringstream log(text);
     for (std::string line; std::getline(log, line);) {
       std::istringstream words(line);
       std::string probe, name;
@@ -153,7 +153,7 @@ TEST_F(ServoFences, ATerminalIsThereToWriteToAlone) {
   if (!screen || grantpt(screen.get()) != 0 || unlockpt(screen.get()) != 0)
     GTEST_SKIP() << "this machine gives no terminal";
   const std::string terminal = ptsname(screen.get());
-  ASSERT_EQ(write(screen.get(), "secret\n", 7), 7);  // there to be read, so a read that is let through ends
+  ASSERT_EQ(::write(screen.get(), "secret\n", 7), 7);  // there to be read, so a read that is let through ends
   setProbe();
   servo = RunningProgram("/bin/sh", {"-c", "exec \"$0\" servo <>\"$1\" >&0 2>&0", PALPATE_PROGRAM, terminal}, folder(),
                          "unused.log");
@@ -161,7 +161,7 @@ TEST_F(ServoFences, ATerminalIsThereToWriteToAlone) {
   std::string shown;
   for (int look = 0; look < 1000 && shown.find("probe done") == shown.npos; ++look) {
     char bytes[4096];
-    const ssize_t got = read(screen.get(), bytes, sizeof bytes);
+    const ssize_t got = ::read(screen.get(), bytes, sizeof bytes);
     if (got > 0) shown.append(bytes, static_cast<std::size_t>(got));
     if (got <= 0) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
