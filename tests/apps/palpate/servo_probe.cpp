@@ -99,11 +99,12 @@ long codeInAPage() {
   return mprotect(page, 4096, PROT_READ | PROT_EXEC);
 }
 
-// Of the C library, and used by nobody. The loader says in words alone what the kernel said.
+// Of the C library, and used by nobody. The loader says in words alone that the kernel refused to map it; that there is
+// no such file would be said otherwise.
 long libraryLoaded() {
   if (dlopen("libBrokenLocale.so.1", RTLD_NOW) != nullptr) return 0;
   const char* const words = dlerror();
-  const bool is_refused = words != nullptr && std::strstr(words, std::strerror(EPERM)) != nullptr;
+  const bool is_refused = words != nullptr && std::strstr(words, "failed to map segment") != nullptr;
   errno = is_refused ? EPERM : ENOENT;
   return -1;
 }
