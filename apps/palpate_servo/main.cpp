@@ -57,8 +57,11 @@ void onlyWriteTo(int output) {
 // Whoever started this program may have left files open, which could still be written to, and a terminal, in which
 // somebody types.
 void closeWhatIsLeft(int but) {
-  const int nothing = open("/dev/null", O_RDONLY);
+  // The number of a standard stream that is closed would be that of the next socket, and messages would go there.
+  int nothing = open("/dev/null", O_RDWR);
+  while (nothing >= 0 && nothing <= STDERR_FILENO) nothing = open("/dev/null", O_RDWR);
   dup2(nothing, STDIN_FILENO);
+  close(nothing);
   palpate::closeFrom(STDERR_FILENO + 1, palpate::Closing::kNow, but);
   for (const int output : {STDOUT_FILENO, STDERR_FILENO}) onlyWriteTo(output);
 }

@@ -42,6 +42,7 @@ void giveUpRights() {
 void closeAllBut(const Channel& channel) {
   const int sink = open("/dev/null", O_RDWR);
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(sink, standard);
+  if (sink > STDERR_FILENO) close(sink);
   dup3(channel.descriptor(), kOurs, O_CLOEXEC);
   closeFrom(kOurs + 1, Closing::kNow);
 }
