@@ -4,60 +4,44 @@
 #include <algorithm>
 
 #include "engine/field/join_triangles.hpp"
+#include "engine/field/refine_triangles.hpp"
 #include "engine/field/surface_cells.hpp"
+#include "engine/field/surface_vertices.hpp"
 
 namespace palpate {
 namespace {
 
-constexpr double kLeastShare = 1.0 / 256;  // least distance of a crossing from the edge's ends, as a share of the edge
-
-Vec3i cornerOf(int corner) {
-  return {corner & 1, corner >> 1 & 1, corner >> 2};
-}
-
-// Where the surface crosses an edge of a cell, relative to the cell's first corner, in index space.
-Vec3 crossingOf(const SurfaceCell& cell, int edge, double isovalue) {
-  const EdgeEnds ends = edgeEnds(edge);
-  const double first = cell.densities[static_cast<std::size_t>(ends.first)];
-  const double last = cell.densities[static_cast<std::size_t>(ends.last)];
-  const double share = std::clamp((first - isovalue) / (first - last), kLeastShare, 1 - kLeastShare);
-  return cornerOf(ends.first).cast<double>() + share * (cornerOf(ends.last) - cornerOf(ends.first)).cast<double>();
-}
-
+// Vertices are in index space until take().
 class Mesher {
  public:
   Mesher(const Volume& volume, float isovalue)
       : lattice_(volume.lattice()),
-        last_I_(volume.size().cast<double>().array() - 1),
+        size_(volume.size()),
+        isovalue_(isovalue),
         turned_(lattice_.R_WL.determinant() < 0),
         cells_(volume, isovalue) {
     mesh_.vertices_W.reserve(cells_.vertexCount());
     mesh_.triangles.reserve(2 * std::size_t{cells_.vertexCount()});
-    for (const SurfaceCell& cell : cells_.all()) addVertices(cell, isovalue);
+    for (const SurfaceCell& cell : cells_.all()) addVertices(cell);
     for (const SurfaceCell& cell : cells_.all()) {
       for (int axis = 0; axis < 3; ++axis) addQuad(cell, axis);
     }
   }
 
-  [[nodiscard]] TriangleMesh take() { return std::move(mesh_); }
+  void refine() { refineTriangles(mesh_, cells_, size_, isovalue_); }
+
+  [[nodiscard]] TriangleMesh take() {
+    for (Vec3& vertex : mesh_.vertices_W) vertex = lattice_.toWorld(vertex);
+    if (turned_) {
+      for (auto& t : mesh_.triangles) std::swap(t[1], t[2]);
+    }
+    return std::move(mesh_);
+  }
 
  private:
-  // Adds a vertex for each loop. On an edge that leaves the domain, the surface shall pass through the voxel inside.
-  // The clamp moves the vertex there.
-  void addVertices(const SurfaceCell& cell, double isovalue) {
-    std::array<Vec3, 4> sums;
-    std::array<int, 4> counts{};
-    sums.fill(Vec3::Zero());
-    for (int edge = 0; edge < kCellEdges; ++edge) {
-      const std::size_t loop = cell.loops.of_edge[static_cast<std::size_t>(edge)];
-      if (loop == kNoLoop) continue;
-      sums[loop] += crossingOf(cell, edge, isovalue);
-      ++counts[loop];
-    }
-    for (std::size_t loop = 0; loop < static_cast<std::size_t>(cell.loops.count); ++loop) {
-      const Vec3 p_I = cell.at.cast<double>() + sums[loop] / counts[loop];
-      mesh_.vertices_W.push_back(lattice_.toWorld(p_I.cwiseMax(0.0).cwiseMin(last_I_)));
-    }
+  void addVertices(const SurfaceCell& cell) {
+    const std::array<Vec3, 4> places_I = surfaceVertices(cell, size_, isovalue_);
+    mesh_.vertices_W.insert(mesh_.vertices_W.end(), places_I.begin(), places_I.begin() + cell.loops.count);
   }
 
   // Adds the quad around the edge that runs along `axis` from the cell's first corner, if the surface crosses the edge.
@@ -75,7 +59,7 @@ class Mesher {
       quad[n] = around.first_vertex + around.loops.of_edge[static_cast<std::size_t>(edge)];
     }
     const bool leaves = (cell.inside & 1) != 0;  // the edge leads out of the object
-    if (leaves == turned_) std::swap(quad[1], quad[3]);
+    if (!leaves) std::swap(quad[1], quad[3]);
     // Takes the diagonal whose smaller triangle is the larger one.
     const double first = std::min(area(quad[0], quad[1], quad[2]), area(quad[0], quad[2], quad[3]));
     const double second = std::min(area(quad[0], quad[1], quad[3]), area(quad[1], quad[2], quad[3]));
@@ -85,12 +69,15 @@ class Mesher {
   }
 
   [[nodiscard]] double area(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
-    const Vec3& corner_W = mesh_.vertices_W[a];
-    return (mesh_.vertices_W[b] - corner_W).cross(mesh_.vertices_W[c] - corner_W).norm();
+    const auto side_m = [&](std::uint32_t to) -> Vec3 {
+      return (mesh_.vertices_W[to] - mesh_.vertices_W[a]).cwiseProduct(lattice_.spacing_m);
+    };
+    return side_m(b).cross(side_m(c)).norm();
   }
 
   const Lattice& lattice_;
-  Vec3 last_I_;
+  Vec3i size_;
+  float isovalue_;
   bool turned_;
   SurfaceCells cells_;
   TriangleMesh mesh_;
@@ -101,7 +88,9 @@ class Mesher {
 TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity) {
   const auto level = static_cast<float>(isovalue);
   if (!(volume.maximum() > level) || volume.size().minCoeff() < 2) return {};
-  TriangleMesh mesh = Mesher(volume, level).take();
+  Mesher mesher(volume, level);
+  if (!(adaptivity > 0)) mesher.refine();
+  TriangleMesh mesh = mesher.take();
   if (adaptivity > 0) joinFlatTriangles(mesh, adaptivity, 8 * volume.lattice().spacing_m.maxCoeff());
   return mesh;
 }

@@ -132,7 +132,7 @@ std::uint64_t SurfaceCells::key(const Vec3i& cell) const noexcept {
 }
 
 SurfaceCells::SurfaceCells(const Volume& volume, float isovalue) : size_(volume.size()) {
-  find(volume, isovalue);
+  collect(volume, isovalue);
   by_place_.reserve(cells_.size());
   for (std::size_t n = 0; n < cells_.size(); ++n) by_place_.emplace(key(cells_[n].at), static_cast<std::uint32_t>(n));
   partDoubleLoops();
@@ -142,7 +142,12 @@ SurfaceCells::SurfaceCells(const Volume& volume, float isovalue) : size_(volume.
   }
 }
 
-void SurfaceCells::find(const Volume& volume, float isovalue) {
+const SurfaceCell* SurfaceCells::find(const Vec3i& cell) const {
+  const auto found = by_place_.find(key(cell));
+  return found == by_place_.end() ? nullptr : &cells_[found->second];
+}
+
+void SurfaceCells::collect(const Volume& volume, float isovalue) {
   Densities densities(volume, isovalue);
   const Vec3i counts = volume.brickCount();
   Block block(densities, isovalue);

@@ -29,12 +29,14 @@ class SurfaceCells {
 
   [[nodiscard]] const std::vector<SurfaceCell>& all() const noexcept { return cells_; }
   [[nodiscard]] const SurfaceCell& at(const Vec3i& cell) const { return cells_[index(cell)]; }  // a crossed cell only
-  [[nodiscard]] std::uint32_t vertexCount() const noexcept { return vertex_count_; }            // one for each loop
+  [[nodiscard]] const SurfaceCell* find(
+      const Vec3i& cell) const;  // from -1 on along each axis; null: it is not crossed
+  [[nodiscard]] std::uint32_t vertexCount() const noexcept { return vertex_count_; }  // one for each loop
 
  private:
   [[nodiscard]] std::uint64_t key(const Vec3i& cell) const noexcept;
   [[nodiscard]] std::uint32_t index(const Vec3i& cell) const { return by_place_.at(key(cell)); }
-  void find(const Volume& volume, float isovalue);
+  void collect(const Volume& volume, float isovalue);
   void partDoubleLoops();
 
   Vec3i size_;

@@ -71,7 +71,7 @@ TEST(ScanMesh, IsClosedInItsFile) {
   if (scans.empty()) GTEST_SKIP() << kNoScans;
   const TemporaryFolder folder;
   for (const auto& scan : scans) {
-    const Volume volume = middleOf(loadVolume(scan.string()), 72);
+    const Volume volume = middleOf(loadVolume(scan.string()), 56);
     const double isovalue = isovalueInTheData(volume);
     EXPECT_EQ(isovalue, std::round(isovalue)) << scan;
     const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);

@@ -149,7 +149,7 @@ TEST(ClosedMesh, OfScansAtWholeNumbers) {
   if (scans.empty()) GTEST_SKIP() << kNoScans;
   for (const auto& scan : scans) {
     const std::string name = scan.filename().string();
-    const Volume volume = middleOf(loadVolume(scan.string()), 72);
+    const Volume volume = middleOf(loadVolume(scan.string()), 56);
     expectClosed(volume, std::round(defaultIsovalue(volume)), name);
     expectClosed(volume, std::round(volume.maximum() / 4), name, false);
   }

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "engine/field/trilinear_cell.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+double between(double first, double last, double share) noexcept {
+  return first * (1 - share) + last * share;
+}
+
+// How far a point of the cell may go in a direction before it leaves the cell.
+double wayWithin(const Vec3& p, const Vec3& direction) {
+  double way = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] > 0) way = std::min(way, (1 - p[axis]) / direction[axis]);
+    if (direction[axis] < 0) way = std::min(way, -p[axis] / direction[axis]);
+  }
+  return way;
+}
+
+}  // namespace
+
+double TrilinearCell::at(const Vec3& p) const noexcept {
+  const auto line = [&](std::size_t first) { return between(excess[first], excess[first + 1], p.x()); };
+  return between(between(line(0), line(2), p.y()), between(line(4), line(6), p.y()), p.z());
+}
+
+Vec3 TrilinearCell::gradient(const Vec3& p) const noexcept {
+  Vec3 gradient;
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 low = p, high = p;
+    low[axis] = 0;
+    high[axis] = 1;
+    gradient[axis] = at(high) - at(low);
+  }
+  return gradient;
+}
+
+std::optional<Vec3> TrilinearCell::surfaceFrom(const Vec3& p, const Vec3& outward) const {
+  constexpr int kParts = 8;
+  const double here = at(p);
+  if (here == 0) return p;
+  const Vec3 direction = here > 0 ? outward : Vec3(-outward);
+  const double way = wayWithin(p, direction);
+  if (!(way < std::numeric_limits<double>::infinity())) return std::nullopt;  // no direction
+  Vec3 before = p;
+  double before_excess = here;
+  for (int part = 1; part <= kParts; ++part) {
+    const Vec3 next = p + way * part / kParts * direction;
+    const double next_excess = at(next);
+    if ((next_excess > 0) != (here > 0)) {
+      return zeroBetween(before, before_excess, next, next_excess, [&](const Vec3& q) { return at(q); });
+    }
+    before = next;
+    before_excess = next_excess;
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate
