@@ -17,10 +17,13 @@
 #include <array>
 #include <cstdint>
 
+#include "base/vec.hpp"
+
 namespace palpate {
 
 inline constexpr int kCellEdges = 12;
-inline constexpr int kNoLoop = 15;
+
+[[nodiscard]] Vec3i cornerPlace(int corner) noexcept;  // of a cell whose first corner is at the origin [voxel]
 
 // The corners at an edge's ends. The first is the lower one along the edge's axis.
 struct EdgeEnds {
@@ -28,22 +31,38 @@ struct EdgeEnds {
 };
 [[nodiscard]] EdgeEnds edgeEnds(int edge) noexcept;
 [[nodiscard]] int edgeFrom(int corner, int axis) noexcept;  // the edge along `axis` whose first corner is `corner`
+[[nodiscard]] int edgeBetween(int corner, int neighbour) noexcept;
+[[nodiscard]] bool shareFace(int edge, int other) noexcept;
 
-// The corners of a face, in order around it.
+// The corners of a face, in order around it: counter-clockwise, seen against the face's axis.
 [[nodiscard]] std::array<int, 4> faceCorners(int face) noexcept;
 
 // Whether a face is ambiguous. `inside`: a bit for each corner of the cell.
 [[nodiscard]] bool isAmbiguous(std::uint8_t inside, int face) noexcept;
 
+// A line on a face, from one crossed edge to another. Seen from outside of the cell, the object is on its right.
+struct FaceLine {
+  int from = 0, to = 0;
+};
+// Of two lines, the first one ends or begins at the edge between the face's corners 0 and 1. So the two cells of a face
+// number its lines in the same way. Each of the two sees a line in the opposite direction.
+struct FaceLines {
+  int count = 0;
+  std::array<FaceLine, 2> lines;
+};
+// `joined`: a bit for each ambiguous face on which the inside corners are joined.
+[[nodiscard]] FaceLines faceLines(std::uint8_t inside, std::uint8_t joined, int face) noexcept;
+
+// A loop is a ring of steps; seen from outside of the object, they go around it counter-clockwise.
+struct LoopStep {
+  int edge = 0;            // that the loop crosses
+  int face = 0, line = 0;  // on which it goes on to the next step's edge
+};
 struct CellLoops {
   int count = 0;
-  std::array<std::uint8_t, kCellEdges> of_edge{};  // the loop that each edge belongs to; kNoLoop: it is not crossed
+  std::array<int, 5> first{};  // loop n has the steps first[n] to first[n + 1] - 1
+  std::array<LoopStep, kCellEdges> steps;
 };
-
-// `joined`: a bit for each ambiguous face on which the inside corners are joined.
 [[nodiscard]] CellLoops loopsOf(std::uint8_t inside, std::uint8_t joined) noexcept;
-
-// The four crossed edges of an ambiguous face: one line runs between the first two, the other between the last two.
-[[nodiscard]] std::array<int, 4> facePairs(std::uint8_t inside, std::uint8_t joined, int face) noexcept;
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "engine/field/cell_loops.hpp"
 #include "engine/field/field_grid.hpp"
 
 namespace palpate {
@@ -102,7 +103,6 @@ class Block {
     const std::size_t n = place(at);
     for (std::size_t corner = 0; corner < 8; ++corner) cell.densities[corner] = values_[n + kCorners[corner]];
     cell.joined = joinedFaces(cell, isovalue_);
-    cell.loops = loopsOf(cell.inside, cell.joined);
     return cell;
   }
 
@@ -135,16 +135,6 @@ SurfaceCells::SurfaceCells(const Volume& volume, float isovalue) : size_(volume.
   collect(volume, isovalue);
   by_place_.reserve(cells_.size());
   for (std::size_t n = 0; n < cells_.size(); ++n) by_place_.emplace(key(cells_[n].at), static_cast<std::uint32_t>(n));
-  partDoubleLoops();
-  for (SurfaceCell& cell : cells_) {
-    cell.first_vertex = vertex_count_;
-    vertex_count_ += static_cast<std::uint32_t>(cell.loops.count);
-  }
-}
-
-const SurfaceCell* SurfaceCells::find(const Vec3i& cell) const {
-  const auto found = by_place_.find(key(cell));
-  return found == by_place_.end() ? nullptr : &cells_[found->second];
 }
 
 void SurfaceCells::collect(const Volume& volume, float isovalue) {
@@ -169,32 +159,6 @@ void SurfaceCells::collect(const Volume& volume, float isovalue) {
           }
         }
       }
-    }
-  }
-}
-
-// If a single loop passes a face twice, in each of the face's two cells, then two edges of the mesh would coincide:
-// both would connect the vertices of these loops. So the face's corners are joined the other way. A loop has the object
-// on the same side all the way, so this splits each of the two loops in two. No loop grows, so no such face arises
-// anew.
-void SurfaceCells::partDoubleLoops() {
-  const auto passesTwice = [](const SurfaceCell& cell, int face) {
-    const auto pairs = facePairs(cell.inside, cell.joined, face);
-    return cell.loops.of_edge[static_cast<std::size_t>(pairs[0])] ==
-           cell.loops.of_edge[static_cast<std::size_t>(pairs[2])];
-  };
-  const auto joinOtherwise = [](SurfaceCell& cell, int face) {
-    cell.joined = static_cast<std::uint8_t>(cell.joined ^ 1U << face);
-    cell.loops = loopsOf(cell.inside, cell.joined);
-  };
-  for (SurfaceCell& cell : cells_) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const int face = 2 * axis + 1;
-      if (!isAmbiguous(cell.inside, face) || !passesTwice(cell, face)) continue;
-      SurfaceCell& behind = cells_[index(cell.at + Vec3i::Unit(axis))];
-      if (!passesTwice(behind, face - 1)) continue;
-      joinOtherwise(cell, face);
-      joinOtherwise(behind, face - 1);
     }
   }
 }

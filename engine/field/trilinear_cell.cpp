@@ -61,4 +61,11 @@ std::optional<Vec3> TrilinearCell::surfaceFrom(const Vec3& p, const Vec3& outwar
   return std::nullopt;
 }
 
+TrilinearCell trilinearCell(const SurfaceCell& cell, float isovalue) {
+  TrilinearCell field;
+  for (std::size_t corner = 0; corner < 8; ++corner)
+    field.excess[corner] = static_cast<double>(cell.densities[corner]) - isovalue;
+  return field;
+}
+
 }  // namespace palpate

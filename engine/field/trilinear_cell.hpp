@@ -10,9 +10,12 @@
 #include <cmath>
 #include <optional>
 
-#include "base/vec.hpp"
+#include "engine/field/surface_cells.hpp"
 
 namespace palpate {
+
+// A mesh's vertices keep this from the ends of their edge, the edges of their face or the faces of their cell [voxel].
+inline constexpr double kLeastShare = 1.0 / 256;
 
 struct TrilinearCell {
   std::array<double, 8> excess{};  // density above the isovalue at each corner (cell_loops.hpp numbers them)
@@ -25,6 +28,8 @@ struct TrilinearCell {
   // what crosses zero twice within one part is not seen.
   [[nodiscard]] std::optional<Vec3> surfaceFrom(const Vec3& p, const Vec3& outward) const;
 };
+
+[[nodiscard]] TrilinearCell trilinearCell(const SurfaceCell& cell, float isovalue);
 
 // The zero of a function between two points of different sign, to 1e-14 of the larger value. `excess(point)` is the
 // function; `from` has the sign of `excess_from`, `to` has the other one.

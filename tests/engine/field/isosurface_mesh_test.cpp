@@ -105,9 +105,7 @@ TEST(IsosurfaceMesh, VerticesLieOnTheBall) {
   }
 }
 
-// All object: the mesh is the box of voxel centres, whatever the voxels' shape and the axes' handedness. One vertex
-// lies in each border cell, which is half cut off at edges and corners: the box's edges are chamfered by half a cell at
-// most.
+// All object: the mesh is the box of voxel centres, whatever the voxels' shape and the axes' handedness.
 TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
   VolumeFacts facts;
   facts.source = "test";
@@ -126,10 +124,10 @@ TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
       low_I = low_I.cwiseMin(lattice.toIndex(v));
       high_I = high_I.cwiseMax(lattice.toIndex(v));
     }
-    EXPECT_LE(low_I.norm(), 1e-5);
-    EXPECT_LE((high_I - Vec3(8, 15, 4)).norm(), 1e-5);
+    EXPECT_LE(low_I.norm(), 1e-12);
+    EXPECT_LE((high_I - Vec3(8, 15, 4)).norm(), 1e-12);
     const double whole_m3 = 8e-3 * 7.5e-3 * 8e-3;
-    EXPECT_NEAR(volumeOf(mesh), whole_m3, 1e-5 * whole_m3) << sign;
+    EXPECT_NEAR(volumeOf(mesh), whole_m3, 1e-12 * whole_m3) << sign;
   }
 }
 
@@ -172,6 +170,37 @@ TEST(IsosurfaceMesh, IsClosedForEveryPhantomWhenAdaptive) {
       EXPECT_GT(mesh.triangles.size(), 10U) << name;
       EXPECT_EQ(unbalancedEdges(mesh), 0) << name << ' ' << adaptivity;
       EXPECT_GT(volumeOf(mesh), 0) << name << ": normals point inwards";
+    }
+  }
+}
+
+// A plane that cuts off a corner of the box, or leaves it alone: the field is linear, so the mesh is that corner
+// exactly. A plane at a distance of s along each axis cuts off s^3 / 6, and meets the border's squares with one, two
+// and three voxels inside.
+TEST(IsosurfaceMesh, OfALinearFieldIsExact) {
+  const Vec3i size(9, 10, 11);
+  for (int which = 0; which < 8; ++which) {
+    for (const double s : {5.3, 2.5, 7.75}) {
+      for (const float sign : {1.0F, -1.0F}) {
+        std::vector<float> values;
+        for (int n = 0; n < size.prod(); ++n) {
+          Vec3i voxel(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
+          for (int axis = 0; axis < 3; ++axis)
+            voxel[axis] = (which >> axis & 1) != 0 ? size[axis] - 1 - voxel[axis] : voxel[axis];
+          values.push_back(sign * static_cast<float>(s - voxel.sum()));
+        }
+        const Volume volume = Volume::fromDense(size, plainLattice(), values, {});
+        const double corner = s * s * s / 6;
+        const double expected = sign > 0 ? corner : 8.0 * 9 * 10 - corner;
+        const double unit_m3 = volume.lattice().spacing_m.prod();
+        for (const double adaptivity : {0.0, 1e-12}) {
+          const TriangleMesh mesh = isosurfaceMesh(volume, 0, adaptivity);
+          // Floats hold s to 2^-23 of it.
+          EXPECT_NEAR(volumeOf(mesh) / unit_m3, expected, 1e-4)
+              << which << ' ' << s << ' ' << sign << ' ' << adaptivity;
+          EXPECT_EQ(edgesNotShared(mesh), 0);
+        }
+      }
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -101,7 +102,7 @@ Off verticesOff(const Volume& volume, double isovalue, const TriangleMesh& mesh)
   return count;
 }
 
-// Noise has every kind of cell, tunnels among them; whatever the voxels' shape. Split triangles or none.
+// Noise has every kind of cell, tunnels among them; whatever the voxels' shape.
 TEST(TrilinearMesh, EveryVertexIsOnTheSurface) {
   for (const auto& spacing_m : {Vec3(1e-3, 1e-3, 1e-3), Vec3(0.4e-3, 0.7e-3, 2.5e-3)}) {
     const Volume volume = noise({19, 17, 23}, 5, spacing_m);
@@ -133,12 +134,14 @@ TEST(TrilinearMesh, VerticesAreNearTheSurfaceWhereVoxelsAreAtTheIsovalue) {
 }
 
 // A voxel of density d among others of density e < 0: in each of its eight cells the field is e + (d - e) (1 - x) (1 -
-// y) (1 - z), and above 0 where that product is above c = -e / (d - e). The product is c on the diagonal at 1 -
-// cbrt(c), where the cell's vertex lies. The volume of product > c in a cell is 1 - c (1 + L + L^2 / 2), with L = ln(1
-// / c). The count by columns has the same; its midpoints err by 1/(24 n^2) of what the length inside bends, at most
-// 1e-3 here.
+// y) (1 - z), and above 0 where that product is above c = -e / (d - e). The surface is at 1 - c on the axes, at 1 -
+// sqrt(c) on the faces' diagonals, where it bends most, and at 1 - cbrt(c) on the cell's diagonal. The volume of
+// product > c in a cell is 1 - c (1 + L + L^2 / 2), with L = ln(1 / c). The count by columns has the same; its
+// midpoints err by 1/(24 n^2) of what the length inside bends, at most 1e-3 here. The part of a cell is convex, so more
+// vertices on its surface enclose more of it: a tip on each axis (1 - c)^3 / 6, all seven (1 - c) (1 - sqrt(c)) (1 -
+// cbrt(c)), as six tetrahedra.
 TEST(TrilinearMesh, OfOneVoxelIsKnown) {
-  for (const auto& [d, e] : {std::pair(3.0F, -1.0F), std::pair(1.0F, -3.0F), std::pair(9.0F, -1.0F)}) {
+  for (const auto& [d, e, bends] : {std::tuple(3.0F, -1.0F, true), {1.0F, -3.0F, false}, {9.0F, -1.0F, true}}) {
     std::vector<float> values(27, e);
     values[13] = d;
     const Volume volume =
@@ -146,34 +149,31 @@ TEST(TrilinearMesh, OfOneVoxelIsKnown) {
     const double c = -static_cast<double>(e) / (static_cast<double>(d) - e), l = std::log(1 / c);
     const double whole = 8 * (1 - c * (1 + l + l * l / 2)) * 1e-9;
     EXPECT_NEAR(trilinearVolume_m3(volume, 0), whole, 8e-3 * 1e-9) << d;
-    for (const double adaptivity : {0.0, 1e-12}) {
-      const TriangleMesh mesh = isosurfaceMesh(volume, 0, adaptivity);
-      int on_diagonals = 0;
-      for (const Vec3& vertex_W : mesh.vertices_W) {
-        const Vec3 off_I = volume.lattice().toIndex(vertex_W) - Vec3::Ones();
-        on_diagonals += (off_I.cwiseAbs() - Vec3::Constant(1 - std::cbrt(c))).norm() < 1e-9 ? 1 : 0;
-      }
-      EXPECT_EQ(on_diagonals, 8) << d;
-      // Its eight vertices alone make a cube. Splits reach towards the tips along the axes.
-      const double cube = 8 * std::pow(1 - std::cbrt(c), 3) * 1e-9;
-      const double volume_m3 = meshVolume_m3(mesh);
-      if (adaptivity > 0) {
-        EXPECT_NEAR(volume_m3 / cube, 1, 1e-9);
-      } else {
-        // What is missing of the smallest, 0.02 voxel^3, is less than eight splits must gain.
-        const double missing = std::max(0.3 * (whole - cube), 0.02e-9);
-        EXPECT_GT(volume_m3, whole - missing) << d;
-        EXPECT_LT(volume_m3, whole) << d;
-      }
+    const double octahedron = 8 * std::pow(1 - c, 3) / 6 * 1e-9;
+    EXPECT_NEAR(meshVolume_m3(isosurfaceMesh(volume, 0, 1e-12)) / octahedron, 1, 1e-9) << d;
+    const TriangleMesh mesh = isosurfaceMesh(volume, 0);
+    int on_diagonals = 0, on_faces = 0;
+    for (const Vec3& vertex_W : mesh.vertices_W) {
+      Vec3 off_I = (volume.lattice().toIndex(vertex_W) - Vec3::Ones()).cwiseAbs();
+      std::sort(off_I.begin(), off_I.end());
+      on_diagonals += (off_I - Vec3::Constant(1 - std::cbrt(c))).norm() < 1e-9 ? 1 : 0;
+      on_faces += (off_I - Vec3(0, 1 - std::sqrt(c), 1 - std::sqrt(c))).norm() < 1e-9 ? 1 : 0;
     }
+    EXPECT_EQ(on_diagonals, bends ? 8 : 0) << d;
+    EXPECT_EQ(on_faces, bends ? 12 : 0) << d;
+    const double seven = 8 * (1 - c) * (1 - std::sqrt(c)) * (1 - std::cbrt(c)) * 1e-9;
+    const double volume_m3 = meshVolume_m3(mesh);
+    EXPECT_GT(volume_m3, (bends ? seven : octahedron) * (1 - 1e-9)) << d;
+    EXPECT_LT(volume_m3, whole) << d;
   }
 }
 
 // The trilinear field of a ball's signed distance is above it, on average over a cell by h^2 / 12 times the Laplacian,
-// 2 / R: its surface lies h^2 / 6R inside the ball. Facets with right angles of legs h and corners on a sphere lie
-// inside it by (h^2 + h^2 + 2 h^2) / 24R = h^2 / 6R on average; quads on a plane along an axis are the largest. (The
-// field's error is not the mean one on every part of the surface, so 5 % is left.) A vertex at the mean of its cell's
-// crossings would lie inside by some h^2 / 20R more.
+// 2 / R: its surface lies h^2 / 6R inside the ball. (The field's error is not the mean one on every part of the
+// surface, so 5 % is left.) Facets lie inside it by the sum of their edges' squares / 24R on average. On a plane along
+// two axes these are h, h and sqrt(2) h, which is h^2 / 6R; but there the field is as curved as the ball only along the
+// diagonals, whose facets meet the surface at their ends alone. Measured is 0.14 h^2 / 6R, and 0.7 with one vertex
+// within each cell.
 TEST(TrilinearMesh, LiesInsideABallByInterpolationAndChordsAlone) {
   const char* name = "phantom:sphere?size=116&spacing=0.5mm";
   const std::unique_ptr<Phantom> ball = makePhantom(name);
@@ -194,7 +194,7 @@ TEST(TrilinearMesh, LiesInsideABallByInterpolationAndChordsAlone) {
   const double radius_m = -ball->signedDistance_m(centre_W), h_m = 0.5e-3;
   const double unit_m = h_m * h_m / (6 * radius_m);
   EXPECT_LT(sum / area, -0.95 * unit_m);
-  EXPECT_GT(sum / area, -2 * 1.05 * unit_m);
+  EXPECT_GT(sum / area, -1.25 * unit_m);
 }
 
 // The middles of the scans (whole ones take the mesher seconds each) and smooth phantoms. The count by columns with 16
@@ -208,13 +208,54 @@ TEST(TrilinearMesh, EnclosesTheTrilinearVolume) {
   for (const auto& [name, volume] : volumes) {
     const double isovalue = volume.facts().declared_isovalue.value_or(defaultIsovalue(volume));
     const double exact = trilinearVolume_m3(volume, static_cast<float>(isovalue));
-    // Noise that bends the surface within a cell, in several ways or into tunnels, is not followed all the way.
-    const double within = name.starts_with("ct_") ? 5e-3 : 2e-3;
+    constexpr double within = 2e-3;
     EXPECT_NEAR(meshVolume_m3(isosurfaceMesh(volume, isovalue)) / exact, 1, within) << name << " at " << isovalue;
-    // Vertices on the surface alone would leave more out of a knot.
-    if (name.starts_with("phantom:knot")) {
-      EXPECT_LT(meshVolume_m3(isosurfaceMesh(volume, isovalue, 1e-12)) / exact, 1 - 1.5 * within) << name;
+    // Vertices on edges alone leave out more of a chest.
+    if (name.starts_with("ct_chest_totalseg")) {
+      EXPECT_LT(meshVolume_m3(isosurfaceMesh(volume, isovalue, 1e-12)) / exact, 1 - 2 * within) << name;
     }
+  }
+}
+
+// A facet should face down the field's slope at its middle. In noise a cell's surface may bend more than its facets
+// follow: of whole scans, 0.2 % of the facets with 0.07 % of the area face up the slope. Twice that is left for their
+// middles. Smooth objects have no such facet.
+TEST(TrilinearMesh, FacetsFaceDownTheSlope) {
+  std::vector<std::pair<std::string, Volume>> volumes;
+  for (const char* name : {"phantom:knot?size=64", "phantom:sphere?size=64", "phantom:gyroid?size=48"})
+    volumes.emplace_back(name, loadVolume(name));
+  for (const auto& scan : realScans())
+    volumes.emplace_back(scan.filename().string(), middleOf(loadVolume(scan.string()), 56));
+  for (const auto& [name, volume] : volumes) {
+    const double isovalue = volume.facts().declared_isovalue.value_or(defaultIsovalue(volume));
+    const TriangleMesh mesh = isosurfaceMesh(volume, isovalue);
+    const reference::DenseField field = reference::denseField(volume);
+    const Lattice& lattice = volume.lattice();
+    const Vec3 last_I = (volume.size().cast<double>().array() - 1).matrix();
+    const double hand = lattice.R_WL.determinant() < 0 ? -1 : 1;
+    double all = 0, all_area = 0, up = 0, up_area = 0;
+    for (const auto& t : mesh.triangles) {
+      const Vec3 a = lattice.toIndex(mesh.vertices_W[t[0]]), b = lattice.toIndex(mesh.vertices_W[t[1]]),
+                 c = lattice.toIndex(mesh.vertices_W[t[2]]);
+      const Vec3 middle = (a + b + c) / 3, normal = hand * (b - a).cross(c - a);
+      if (((middle.array() < 1e-9) || (middle.array() > last_I.array() - 1e-9)).any()) continue;  // on the border
+      // Along each axis the field is linear in the cell, so a difference within it is the slope.
+      Vec3 slope;
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3 low = middle, high = middle;
+        low[axis] = std::floor(middle[axis]);
+        high[axis] = low[axis] + 1;
+        slope[axis] = reference::trilinear(field, high) - reference::trilinear(field, low);
+      }
+      const bool faces_up = normal.dot(slope) > 0;
+      all += 1;
+      all_area += normal.norm();
+      up += faces_up ? 1 : 0;
+      up_area += faces_up ? normal.norm() : 0;
+    }
+    const bool noisy = !name.starts_with("phantom:");
+    EXPECT_LE(up / all, noisy ? 4e-3 : 0) << name;
+    EXPECT_LE(up_area / all_area, noisy ? 1.4e-3 : 0) << name;
   }
 }
 

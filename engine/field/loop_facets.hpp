@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// engine/field/loop_facets.hpp: the triangles of one loop of an isosurface in a cell. Private to engine/field.
+//
+// The loop's ring has its vertices on the cell's edges and faces (shared_vertices.hpp). It is filled in one of two
+// ways:
+// - with triangles of its own vertices, all at one of them, if there are no vertices on lines, no two vertices that
+// such a
+//   triangle would connect across the loop lie on one face, and the surface is close. Two cells never make the same
+//   edge: a line's is on their face, all others are within the cell.
+// - with a centre: a vertex within the cell, on the surface. Its way begins at the ring's mean and goes along the
+// ring's
+//   normal. Where it meets no surface in the cell (that of a tunnel, say), it goes towards a corner of a crossed edge.
+//   A triangle leads from the centre to each side of the ring. An edge from the centre to the ring whose middle is far
+//   from the surface has a vertex there, moved onto the surface along the mean normal of the edge's two triangles,
+//   unless a triangle would then face against the field's slope. The parts of a triangle stay within the cell.
+//
+// So triangles end at the cells' faces, as the smooth pieces of the trilinear surface do.
+//
+// Frame: index space of the volume [voxel]. Any thread. Cost: some 1 us a loop.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/triangle_mesh.hpp"
+#include "engine/field/trilinear_cell.hpp"
+
+namespace palpate {
+
+// How closely triangles follow the surface: what splits them only if more volume than that is between [voxel^3].
+struct FacetGains {
+  double centre = 0;  // between a loop's triangles of its own vertices and the surface
+  double middle = 0;  // of the tetrahedra that a vertex on an edge from the centre adds or takes away
+};
+
+struct RingVertex {
+  std::uint32_t vertex = 0;
+  int edge = 0;  // that the loop crosses there; kOnLine: none, the vertex is on a line of a face
+};
+inline constexpr int kOnLine = -1;
+
+// Appends the loop's triangles and the vertices that only they have. `ring`: counter-clockwise, seen from outside of
+// the object. `origin_I`: the cell's first corner; `inside`: a bit for each corner above the isovalue.
+void addLoopFacets(const TrilinearCell& field, std::uint8_t inside, const Vec3& origin_I,
+                   const std::vector<RingVertex>& ring, const FacetGains& gains, TriangleMesh& mesh_I);
+
+}  // namespace palpate
