@@ -22,8 +22,10 @@ void addConvertVerb(CLI::App& app) {
       ->required();
   verb->add_option("--iso", request->isovalue,
                    "isovalue of the mesh [density]; as `palpate touch` chooses it if not given");
-  verb->add_option("--adaptivity", request->adaptivity,
-                   "0 to 1: larger triangles where the mesh is nearly flat (default 0: none)");
+  verb->add_option(
+      "--adaptivity", request->adaptivity,
+      "0 to 1: a smaller mesh: above 0 it does not follow bends within a voxel, and has larger triangles where "
+      "it is nearly flat (default 0)");
   verb->add_option("--unit", *unit, "of lengths in meshes and .vdb: mm or m (default mm; m for a level set's .vdb)")
       ->check(CLI::IsMember({"mm", "m"}));
   addVolumeOptions(*verb, request->in);

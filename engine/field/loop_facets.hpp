@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // engine/field/loop_facets.hpp: the triangles of one loop of an isosurface in a cell. Private to engine/field.
 //
-// The loop's ring has its vertices on the cell's edges and faces (shared_vertices.hpp). It is filled in one of two
-// ways:
-// - with triangles of its own vertices, all at one of them, if there are no vertices on lines, no two vertices that
-// such a
-//   triangle would connect across the loop lie on one face, and the surface is close. Two cells never make the same
-//   edge: a line's is on their face, all others are within the cell.
-// - with a centre: a vertex within the cell, on the surface. Its way begins at the ring's mean and goes along the
-// ring's
-//   normal. Where it meets no surface in the cell (that of a tunnel, say), it goes towards a corner of a crossed edge.
-//   A triangle leads from the centre to each side of the ring. An edge from the centre to the ring whose middle is far
-//   from the surface has a vertex there, moved onto the surface along the mean normal of the edge's two triangles,
-//   unless a triangle would then face against the field's slope. The parts of a triangle stay within the cell.
+// The loop's ring has its vertices on the cell's edges and faces (shared_vertices.hpp). There are two ways to fill it.
+//
+// Where it has no vertices on lines and the surface is close, all triangles begin at one of its vertices. Of such
+// triangles an edge across the loop may not lie on a face of the cell: two cells then never make the same edge.
+//
+// Otherwise a vertex within the cell is its centre. The way to it begins at the ring's mean and goes along the ring's
+// normal to the surface. Where it meets none in the cell (that of a tunnel, say), it goes towards a corner of a crossed
+// edge. A triangle leads from the centre to each side of the ring. An edge from the centre to the ring whose middle is
+// far from the surface gets a vertex. This moves from the middle onto the surface along the mean normal of the edge's
+// two triangles. It is left out if a triangle would then face against the field's slope.
 //
 // So triangles end at the cells' faces, as the smooth pieces of the trilinear surface do.
 //

@@ -212,7 +212,7 @@ TEST(TrilinearMesh, EnclosesTheTrilinearVolume) {
     EXPECT_NEAR(meshVolume_m3(isosurfaceMesh(volume, isovalue)) / exact, 1, within) << name << " at " << isovalue;
     // Vertices on edges alone leave out more of a chest.
     if (name.starts_with("ct_chest_totalseg")) {
-      EXPECT_LT(meshVolume_m3(isosurfaceMesh(volume, isovalue, 1e-12)) / exact, 1 - 2 * within) << name;
+      EXPECT_LT(meshVolume_m3(isosurfaceMesh(volume, isovalue, 1e-12)) / exact, 1 - 1.25 * within) << name;
     }
   }
 }
