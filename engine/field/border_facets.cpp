@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 namespace palpate {
 namespace {
@@ -18,7 +19,8 @@ class BorderSquare {
         mesh_(mesh),
         corners_(faceCorners(face)),
         lines_(faceLines(cell.inside, cell.joined, face)) {
-    // The object is beyond the face: a face of the cell's lower side is seen along its axis' direction from above.
+    // The square is seen from the cell, which is beyond the border: on a lower face that is against the axis, as the
+    // corners are in order, on an upper face along it.
     if (face % 2 == 1) std::swap(corners_[1], corners_[3]);
   }
 

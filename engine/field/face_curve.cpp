@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/field/face_curve.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "engine/field/cell_loops.hpp"
 
 namespace palpate {

@@ -2,6 +2,8 @@
 #include "engine/field/isosurface_mesh.hpp"
 
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include "engine/field/border_facets.hpp"
 #include "engine/field/join_triangles.hpp"

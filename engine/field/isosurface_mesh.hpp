@@ -22,7 +22,7 @@
 // 0.1 % of its surface) turn by more than a right angle from the field's slope at their middle.
 //
 // Frame: world [m]. Any thread, while nobody changes the volume. Cost: a look at each brick, and for each cell that the
-// surface crosses some 2 us and 300 bytes.
+// surface crosses some 3 us and 350 bytes.
 #pragma once
 
 #include "base/triangle_mesh.hpp"

@@ -2,6 +2,7 @@
 #include "engine/field/loop_facets.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "engine/field/cell_loops.hpp"

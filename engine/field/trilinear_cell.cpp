@@ -22,6 +22,34 @@ double wayWithin(const Vec3& p, const Vec3& direction) {
   return way;
 }
 
+// The field's zero between two points of different sign, to 1e-14 of the larger value. `from` has the sign of
+// `excess_from`, `to` has the other one.
+Vec3 zeroBetween(const TrilinearCell& field, Vec3 from, double excess_from, Vec3 to, double excess_to) {
+  // The Illinois method: a secant, which halves the value at an end that has stayed twice.
+  constexpr int kMostSteps = 60;
+  const double near_enough = 1e-14 * std::max(std::abs(excess_from), std::abs(excess_to));
+  int stayed = 0;
+  Vec3 last = from;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Vec3 between = from + excess_from / (excess_from - excess_to) * (to - from);
+    const double value = field.at(between);
+    last = between;
+    if (std::abs(value) <= near_enough) break;
+    if ((value > 0) == (excess_to > 0)) {
+      to = between;
+      excess_to = value;
+      if (stayed == 1) excess_from /= 2;
+      stayed = 1;
+    } else {
+      from = between;
+      excess_from = value;
+      if (stayed == -1) excess_to /= 2;
+      stayed = -1;
+    }
+  }
+  return last;
+}
+
 }  // namespace
 
 double TrilinearCell::at(const Vec3& p) const noexcept {
@@ -53,7 +81,7 @@ std::optional<Vec3> TrilinearCell::surfaceFrom(const Vec3& p, const Vec3& outwar
     const Vec3 next = p + way * part / kParts * direction;
     const double next_excess = at(next);
     if ((next_excess > 0) != (here > 0)) {
-      return zeroBetween(before, before_excess, next, next_excess, [&](const Vec3& q) { return at(q); });
+      return zeroBetween(*this, before, before_excess, next, next_excess);
     }
     before = next;
     before_excess = next_excess;
