@@ -213,7 +213,7 @@ class Job {
 
   // Tells once of a brush that is fine for the voxels, since a stroke has many pieces.
   void tellOfFineness(const EditCommand& command, const std::string& where) {
-    const std::string words = fineBrushWarning(command, volume_.lattice(), profile_);
+    const std::string words = fineBrushWarning(command, volume_.lattice());
     if (words.empty() || told_of_fineness_) return;
     told_of_fineness_ = true;
     tell_(where + ": " + words);

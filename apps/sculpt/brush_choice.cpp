@@ -3,6 +3,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "engine/edit/brush_profile.hpp"
+
 namespace palpate {
 namespace {
 
@@ -62,6 +66,14 @@ ToolBrushSpec toolBrush(const BrushChoice& choice, const BrushKeys& keys) noexce
   spec.rate_per_Ns = choice.strength / kTimeAtFullStrength_s;
   spec.mirror_axis = choice.mirror_axis;
   return spec;
+}
+
+std::string BrushAdvice::take(const BrushChoice& choice, const Lattice& lattice, bool rests) {
+  const std::pair now(choice.kind, choice.radius_m);
+  if (!rests || seen_ == now) return "";
+  seen_ = now;
+  const std::string words = fineBrushWarning(toolBrush(choice, {}).brush, lattice);
+  return words.empty() ? "" : fmt::format("{}: {}", brushEntry(choice.kind).name, words);
 }
 
 }  // namespace palpate

@@ -5,7 +5,9 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/session/tool_brush.hpp"
 
@@ -38,5 +40,16 @@ struct BrushKeys {
   bool inverts = false, smooths = false;
 };
 [[nodiscard]] ToolBrushSpec toolBrush(const BrushChoice& choice, const BrushKeys& keys) noexcept;
+
+// What a person has to know of a brush that they have just picked or resized (fineBrushWarning()), once.
+class BrushAdvice {
+ public:
+  // To be called in every frame. `rests`: nobody is changing the brush, as one drags a slider. "Drill: its radius of
+  // ..."; empty: the brush is as at the last call that rested, or there is nothing to tell.
+  [[nodiscard]] std::string take(const BrushChoice& choice, const Lattice& lattice, bool rests);
+
+ private:
+  std::optional<std::pair<BrushKind, double>> seen_;  // kind and radius [m]
+};
 
 }  // namespace palpate

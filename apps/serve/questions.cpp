@@ -38,10 +38,10 @@ void doOrRefuse(const Questions::Done& done, const std::function<void()>& work) 
 }
 
 // Of the first one that has any; empty: none has.
-std::string warningOf(const std::vector<EditCommand>& commands, const Lattice& lattice, const BrushProfile& profile) {
+std::string warningOf(const std::vector<EditCommand>& commands, const Lattice& lattice) {
   std::string warning;
   for (auto command = commands.begin(); command != commands.end() && warning.empty(); ++command)
-    warning = fineBrushWarning(*command, lattice, profile);
+    warning = fineBrushWarning(*command, lattice);
   return warning;
 }
 
@@ -178,7 +178,7 @@ void Questions::edit(const std::vector<std::string>& words, const Done& done) {
   }
   std::string answer = fmt::format("{} edit{} made{}", commands.size(), commands.size() == 1 ? "" : "s",
                                    served_.keepsJournal() ? ", and on the disk" : "");
-  if (const std::string warning = warningOf(commands, served_.lattice(), served_.profile()); !warning.empty())
+  if (const std::string warning = warningOf(commands, served_.lattice()); !warning.empty())
     answer += (commands.size() == 1 ? "; " : "; one of them at least: ") + warning;
   served_.edit(std::move(commands), [done, answer](const std::optional<Error>& refusal) { done(refusal, answer); });
 }

@@ -238,6 +238,14 @@ void SculptWindow::pointer(const PictureArea& area) {
   model_.request = model_.gestures.take(input, frame, model_.view, model_.settings.brush, model_.settings.reach);
   lead_.lead(session, model_.request, model_.gestures.kind(), input, model_.settings.reach, session.tick());
   showView();
+  adviseOnBrush();
+}
+
+// Not while a slider or the mouse still changes it.
+void SculptWindow::adviseOnBrush() {
+  const bool rests = model_.gestures.kind() == Gestures::Kind::kNone && !ImGui::IsAnyItemActive();
+  const std::string words = brush_advice_.take(model_.settings.brush, model_.session.volume().lattice, rests);
+  if (!words.empty()) model_.say(words);
 }
 
 // A new request where camera or style have changed. A style that is refused leaves the picture as it is.

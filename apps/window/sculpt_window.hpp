@@ -34,6 +34,7 @@ class SculptWindow {
   void pointer(const PictureArea& area);
   [[nodiscard]] PointerKeys pointerKeys() const;
   void showView();
+  void adviseOnBrush();
   void changeHost();
   void keepScreenshot(const std::optional<RenderedImage>& image);
 
@@ -46,6 +47,7 @@ class SculptWindow {
   PointerLead lead_;
   std::optional<ViewRequest> asked_;
   std::string style_refusal_;
+  BrushAdvice brush_advice_;
   std::vector<TickRecord> ticks_;
   Peak peak_;
   int frames_after_event_ = 60;

@@ -9,9 +9,16 @@
 #include "engine/field/statistics.hpp"
 
 namespace palpate {
+namespace {
+
+double bandOf(const Vec3& spacing_m) {
+  return kRampVoxels * spacing_m.maxCoeff();
+}
+
+}  // namespace
 
 BrushProfile brushProfile(double isovalue, double background, double object, const Vec3& spacing_m) {
-  BrushProfile profile{isovalue, background, object, 0, kRampVoxels * spacing_m.maxCoeff()};
+  BrushProfile profile{isovalue, background, object, 0, bandOf(spacing_m)};
   profile.slope_per_m = std::min(isovalue - background, object - isovalue) / profile.band_m;
   return profile;
 }
@@ -49,8 +56,9 @@ double brushShortfall(const EditCommand& command, const Lattice& lattice) {
   return 1 - (ball_volume * ball * ball * ball + length * cylinder * cylinder) / (ball_volume + length);
 }
 
-std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice, const BrushProfile& profile) {
+std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice) {
   if (!isBrush(command.kind)) return "";
+  const bool has_ramp = (command.kind == EditKind::kAdd || command.kind == EditKind::kRemove) && !(command.falloff > 0);
   const double voxel_m = lattice.smallestSpacing();
   if (command.radius_m < voxel_m / 2) {
     return fmt::format(
@@ -58,11 +66,10 @@ std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice,
         "densities change up to {:g} mm around it, but the surface there may hardly move; "
         "give a larger one, or resample the volume",
         command.radius_m * kMillimetresPerMetre, voxel_m * kMillimetresPerMetre,
-        (command.radius_m + profile.band_m) * kMillimetresPerMetre);
+        (command.radius_m + (has_ramp ? bandOf(lattice.spacing_m) : 0)) * kMillimetresPerMetre);
   }
-  const bool makes_surface = command.kind == EditKind::kAdd || command.kind == EditKind::kRemove;
   const double shortfall = brushShortfall(command, lattice);
-  if (!makes_surface || command.falloff > 0 || shortfall < kToldShortfall) return "";
+  if (!has_ramp || shortfall < kToldShortfall) return "";
   const Vec3 voxels = command.radius_m * lattice.spacing_m.cwiseInverse();
   return fmt::format(
       "its radius of {:g} mm is {:.2g} x {:.2g} x {:.2g} voxels: it {} some {:.0f} % less than its volume, since the "

@@ -5,7 +5,8 @@
 // The profile is a ramp: density is linear in the distance from the new surface and equals the isovalue on it. Every
 // cell that the surface crosses lies inside the linear part of the ramp. So trilinear interpolation puts the isosurface
 // where the brush says. What remains is the error of interpolating the distance from a curved surface: h^2 / 8R along
-// each axis, with spacing h and radius of curvature R. Thread: any.
+// each axis, with spacing h and radius of curvature R.
+// Thread: any.
 #pragma once
 
 #include <string>
@@ -52,7 +53,6 @@ inline constexpr double kRampVoxels = 2;
 // The text of a warning for a brush that is too fine for the voxels: one below half a voxel, or an add or a remove that
 // falls short by kToldShortfall. Empty for any other command.
 inline constexpr double kToldShortfall = 0.15;
-[[nodiscard]] std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice,
-                                           const BrushProfile& profile);
+[[nodiscard]] std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice);
 
 }  // namespace palpate

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "engine/edit/brush_profile.hpp"
+
 namespace palpate {
 namespace brush_choice_test {
 
@@ -28,6 +30,30 @@ TEST(BrushChoice, EveryBrushHasItsEditItsInverseAndItsWords) {
     EXPECT_STREQ(brushEntry(entry.kind).name, entry.name);
     EXPECT_GT(std::string(entry.help).size(), 10U);
   }
+}
+
+// Voxels of 2 mm: a radius of 0.9 mm is below half of one. Each brush that comes to rest is told of once.
+TEST(BrushAdvice, IsTheWarningOfABrushTooSmallForTheVoxels) {
+  const Lattice lattice{Vec3::Zero(), Mat3::Identity(), Vec3::Constant(2e-3)};
+  BrushAdvice advice;
+  BrushChoice choice{.radius_m = 3e-3};
+  EXPECT_EQ(advice.take(choice, lattice, true), "");
+  choice.radius_m = 0.9e-3;
+  EXPECT_EQ(advice.take(choice, lattice, false), "");  // still dragged
+  const std::string words = advice.take(choice, lattice, true);
+  EXPECT_EQ(words, "Drill: " + fineBrushWarning(toolBrush(choice, {}).brush, lattice));
+  EXPECT_NE(words.find("its radius of 0.9 mm is below half a voxel"), std::string::npos) << words;
+  EXPECT_EQ(advice.take(choice, lattice, true), "");
+  choice.strength = 1;
+  EXPECT_EQ(advice.take(choice, lattice, true), "");  // no other size
+  for (const BrushKind kind : {BrushKind::kAdd, BrushKind::kSmooth, BrushKind::kInflate, BrushKind::kFlatten}) {
+    choice.kind = kind;
+    EXPECT_TRUE(advice.take(choice, lattice, true).starts_with(brushEntry(kind).name));
+  }
+  choice.radius_m = 1.1e-3;
+  EXPECT_EQ(advice.take(choice, lattice, true), "");
+  choice.radius_m = 0.9e-3;
+  EXPECT_NE(advice.take(choice, lattice, true), "");  // anew
 }
 
 TEST(BrushChoice, HandsOnSizeStrengthAndMirror) {

@@ -107,8 +107,7 @@ TEST(BrushShortfall, HasTheWorkedFiguresOfThePage) {
 
 TEST(FineBrushWarning, IsForBrushesThatFallShort) {
   const Lattice lattice = latticeOf({1e-3, 1e-3, 2.1e-3});
-  const BrushProfile profile = brushProfile(kTau, kBackground, kObject, lattice.spacing_m);
-  const auto words = [&](EditCommand command) { return fineBrushWarning(command, lattice, profile); };
+  const auto words = [&](EditCommand command) { return fineBrushWarning(command, lattice); };
   EditCommand command = brush(EditKind::kRemove, Vec3::Zero(), Vec3::Zero(), 1.5e-3);
   EXPECT_THAT(words(command), HasSubstr("its radius of 1.5 mm is 1.5 x 1.5 x 0.71 voxels: it removes some 40 % less"));
   command.kind = EditKind::kAdd;
@@ -120,6 +119,11 @@ TEST(FineBrushWarning, IsForBrushesThatFallShort) {
   EXPECT_EQ(words(command), "");
   command.radius_m = 0.4e-3;
   EXPECT_THAT(words(command), HasSubstr("below half a voxel"));
+  EXPECT_THAT(words(command), HasSubstr("change up to 0.4 mm around"));  // it ends at its radius
+  command.kind = EditKind::kAdd;
+  EXPECT_THAT(words(command), HasSubstr("change up to 4.6 mm around"));  // and two voxels of 2.1 mm
+  command.falloff = 0.5;
+  EXPECT_THAT(words(command), HasSubstr("change up to 0.4 mm around"));
   EXPECT_EQ(words(brush(EditKind::kRemove, Vec3::Zero(), Vec3::Zero(), 4e-3)), "");
 }
 
