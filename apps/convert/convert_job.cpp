@@ -22,12 +22,31 @@ void checkOptions(const ConvertRequest& request) {
     refuse(request.out, "its suffix names no format that can be written",
            fmt::format("use {} for the volume, {} for the isosurface", volumeFileSuffixes(), kMeshFileSuffixes));
   }
+  if (mesh && request.exact) refuse("--exact", "a mesh keeps no densities", "leave it out, or write a volume");
   if (!mesh && request.isovalue) refuse("--iso", "a volume has no isovalue", "leave it out, or write a mesh");
   if (!mesh && request.adaptivity) refuse("--adaptivity", "a volume has none", "leave it out, or write a mesh");
   if (request.adaptivity && !(*request.adaptivity >= 0 && *request.adaptivity <= 1)) {
     refuse("--adaptivity", fmt::format("{:g} is not in [0, 1]", *request.adaptivity),
            "0 keeps every cell, 1 joins most");
   }
+}
+
+// What `palpate convert --exact` promises.
+void checkExact(const Volume& volume, const ConvertRequest& request) {
+  const VolumeFacts& facts = volume.facts();
+  if (facts.rounded.count > 0) {
+    refuse(request.in, facts.rounded.words(), "leave --exact out if rounded ones will do, or keep the file as it is");
+  }
+  if (facts.replaced > 0) {
+    refuse(request.in, fmt::format("{} of its voxels have no density in the file, and were given one", facts.replaced),
+           "leave --exact out, or replace them in the file");
+  }
+  if (facts.resampled) {
+    refuse(request.in, "its slices are tilted, and were resampled upright",
+           "leave --exact out, or keep the slices as they are");
+  }
+  const Rounding written = roundedByWriting(volume, request.out, request.unit);
+  if (written.count > 0) refuse(request.out, written.words(), "give --unit m, which keeps them, or leave --exact out");
 }
 
 struct Output {
@@ -93,6 +112,7 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
       Rights::kPrivate);  // opened before the long work, so that a folder without write permission is refused at once
   progress.stage("loading " + request.in);
   const Volume volume = loadAndTell(request.in, progress);
+  if (request.exact) checkExact(volume, request);
   throwIfInterrupted("palpate convert");
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();

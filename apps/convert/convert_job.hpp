@@ -23,6 +23,7 @@ struct ConvertRequest {
   std::optional<double> isovalue = {};    // for meshes; empty: as `palpate touch` chooses it [density]
   std::optional<double> adaptivity = {};  // for meshes, [0, 1]; empty: 0 [-]
   std::optional<LengthUnit> unit = {};    // for meshes and OpenVDB; empty: mm, but m for a level set
+  bool exact = false;  // refuse a volume whose numbers are not all kept, from file to file; not for meshes
 };
 
 struct ConvertResult {
@@ -38,8 +39,9 @@ struct ConvertResult {
 
 // Throws Error: kBadInput for an unknown suffix, an option that the format does not take, an adaptivity outside [0, 1],
 // an isovalue that gives no surface, and an output that is the input or an existing file in the input's folder; kIo for
-// a folder without write permission and for a full disk; and as loadVolume and writeVolume do. Then a file that was at
-// `out` is unchanged.
+// a folder without write permission and for a full disk; and as loadVolume and writeVolume do. With `exact` also
+// kBadInput for a number that was rounded (Rounding), replaced or resampled when it was read, and for one that would be
+// rounded when it is written. Then a file that was at `out` is unchanged.
 [[nodiscard]] ConvertResult convert(const ConvertRequest& request, Progress& progress);
 
 // Parts of convert(), for verbs that write a volume of their own. checkOutput() refuses (Error kBadInput) an output

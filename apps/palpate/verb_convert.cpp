@@ -28,6 +28,8 @@ void addConvertVerb(CLI::App& app) {
       "it is nearly flat (default 0)");
   verb->add_option("--unit", *unit, "of lengths in meshes and .vdb: mm or m (default mm; m for a level set's .vdb)")
       ->check(CLI::IsMember({"mm", "m"}));
+  verb->add_flag("--exact", request->exact,
+                 "refuse a volume if any of its numbers is not kept: one that no 32-bit float holds, NaN, padding");
   addVolumeOptions(*verb, request->in);
   verb->callback([request, unit] {
     if (!unit->empty()) request->unit = *unit == "m" ? LengthUnit::kMetre : LengthUnit::kMillimetre;

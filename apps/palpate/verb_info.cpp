@@ -2,12 +2,16 @@
 // palpate info FILE: size, spacing, type, range, histogram and suggested isovalues.
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/console/message.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/load/stair_words.hpp"
+#include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
 #include "base/units.hpp"
 #include "engine/field/statistics.hpp"
@@ -111,23 +115,72 @@ void printStatistics(const VolumeStatistics& statistics) {
   }
 }
 
+using Json = nlohmann::ordered_json;
+
+Json threeOf(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+// `palpate.info/1`. Lengths and positions in mm, world frame.
+Json infoJson(const Volume& volume, const VolumeStatistics& statistics) {
+  const VolumeFacts& facts = volume.facts();
+  const Lattice& lattice = volume.lattice();
+  Json json = {{"schema", "palpate.info/1"},
+               {"volume", facts.source},
+               {"format", facts.format},
+               {"value_type", facts.value_type},
+               {"part", facts.part},
+               {"size_voxel", {volume.size().x(), volume.size().y(), volume.size().z()}},
+               {"spacing_mm", threeOf(lattice.spacing_m * kMillimetresPerMetre)},
+               {"origin_mm", threeOf(unsignedZeros<Vec3>(lattice.origin_W * kMillimetresPerMetre))},
+               {"axes", Json::array()},
+               {"orientation", facts.orientation},
+               {"note", facts.remark},
+               {"rounded", {{"count", facts.rounded.count}, {"most", facts.rounded.most}, {"of", facts.rounded.of}}},
+               {"replaced", facts.replaced},
+               {"resampled", facts.resampled},
+               {"minimum", statistics.minimum},
+               {"maximum", statistics.maximum},
+               {"mean", statistics.mean},
+               {"isovalues", Json::array()}};
+  for (const int axis : {0, 1, 2}) json["axes"].push_back(threeOf(unsignedZeros<Mat3>(lattice.R_WL).col(axis)));
+  for (const IsovalueSuggestion& suggestion : statistics.suggestions) json["isovalues"].push_back(suggestion.isovalue);
+  return json;
+}
+
+struct InfoArguments {
+  std::string name;
+  std::string json;
+};
+
+void sayWhatItIs(const InfoArguments& arguments) {
+  std::optional<AtomicFile> file;
+  if (!arguments.json.empty()) {
+    checkNotInput(arguments.name, arguments.json);
+    file.emplace(arguments.json);
+  }
+  Progress progress;
+  progress.stage("loading " + arguments.name);
+  const Volume volume = loadVolume(arguments.name);
+  progress.done();
+  printFacts(volume);
+  const VolumeStatistics statistics = statisticsOf(volume, kBins);
+  printStairs(volume, statistics);
+  printStatistics(statistics);
+  if (!file) return;
+  file->write(infoJson(volume, statistics).dump(2) + "\n");
+  file->commit();
+}
+
 }  // namespace
 
 void addInfoVerb(CLI::App& app) {
   CLI::App* verb = app.add_subcommand("info", "say what a volume is: size, spacing, type, range, histogram, isovalues");
-  auto name = std::make_shared<std::string>();
-  verb->add_option("volume", *name, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
-  addVolumeOptions(*verb, *name);
-  verb->callback([name] {
-    Progress progress;
-    progress.stage("loading " + *name);
-    const Volume volume = loadVolume(*name);
-    progress.done();
-    printFacts(volume);
-    const VolumeStatistics statistics = statisticsOf(volume, kBins);
-    printStairs(volume, statistics);
-    printStatistics(statistics);
-  });
+  auto arguments = std::make_shared<InfoArguments>();
+  verb->add_option("volume", arguments->name, "file, DICOM folder or 'phantom:NAME?size=64'")->required();
+  verb->add_option("--json", arguments->json, "write it into this file too")->type_name("FILE")->check(notEmpty);
+  addVolumeOptions(*verb, arguments->name);
+  verb->callback([arguments] { sayWhatItIs(*arguments); });
 }
 
 }  // namespace palpate

@@ -44,10 +44,10 @@ class FiniteValues {
   // To be called after all layers were read. Throws Error(kBadInput) if no voxel had a valid density.
   void check(const std::string& source) const;
   [[nodiscard]] std::string remark() const;  // how many were replaced, in words; "" if none
+  [[nodiscard]] BadVoxels replaced() const { return {not_numbers_, beyond_float_}; }
 
  private:
   void mend(const Vec3i& brick, float* values);
-  [[nodiscard]] BadVoxels replaced() const { return {not_numbers_, beyond_float_}; }
 
   Vec3i size_;
   float instead_;

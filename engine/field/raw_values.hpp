@@ -58,18 +58,36 @@ auto withType(ValueType type, const Work& work) {
 [[nodiscard]] std::vector<float> toFloats(std::span<const char> raw, ValueType type, double slope = 1,
                                           double intercept = 0);
 
-// How many stored numbers a float cannot hold, and by how much the largest of them changed. Only numbers that are not
-// scaled are counted: with a slope or an intercept every density is a rounded one. Several threads may count at once.
-struct RoundedNumbers {
-  std::atomic<std::uint64_t> count = 0;
-  std::atomic<double> most = 0;  // [density]
-  // In words, for VolumeFacts::remark; empty: none was rounded.
-  [[nodiscard]] std::string words(ValueType type) const;
+// What rounding changed among a few numbers.
+struct RoundedFew {
+  std::uint64_t count = 0;
+  double most = 0;  // [density]
+
+  // `exact` became `kept`. NaN, what is infinite and what became beyondFloat() differ from themselves by NaN, which is
+  // not above 0: finite_values.hpp tells of these.
+  template <class Number>
+  void add(Number exact, float kept) noexcept {
+    const auto change = static_cast<double>(std::abs(exact - static_cast<Number>(kept)));
+    count += change > 0 ? 1 : 0;
+    most = change > most ? change : most;
+  }
+};
+
+// The same of a whole volume. Several threads may add at once.
+class RoundedNumbers {
+ public:
+  void add(const RoundedFew& few) noexcept;
+  // `type`: of the file's numbers; `scaled`: whether the file scales them.
+  [[nodiscard]] Rounding of(const std::string& type, bool scaled) const;
+
+ private:
+  std::atomic<std::uint64_t> count_ = 0;
+  std::atomic<double> most_ = 0;
 };
 
 // The bricks of size.x * size.y * size.z such values, i fastest. `raw` must outlive the source. Voxels outside the
 // domain repeat the nearest one inside. Several threads may call the source at once. `rounded`, if given, must outlive
-// it; to count takes some 1 ns a number of 32 bits or more, and nothing for others.
+// it; COST.
 [[nodiscard]] Volume::BrickSource rawBricks(std::span<const char> raw, ValueType type, const Vec3i& size,
                                             double slope = 1, double intercept = 0, RoundedNumbers* rounded = nullptr);
 

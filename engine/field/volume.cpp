@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,12 @@
 #include "engine/field/raw_values.hpp"
 
 namespace palpate {
+
+std::string Rounding::words() const {
+  if (count == 0) return "";
+  return fmt::format("{} of its {} values are no 32-bit floats and were rounded, by {:.3g} at most", count, of, most);
+}
+
 namespace {
 
 // A cell of eight voxels, and a place in it.
@@ -140,6 +147,10 @@ void Volume::setConstantBrick(const Vec3i& brick, float value) {
 void Volume::remark(const std::string& words) {
   std::string& all = grid_->facts.remark;
   all += (all.empty() ? "" : "; ") + words;
+}
+
+void Volume::noteRounding(Rounding rounded) noexcept {
+  grid_->facts.rounded = std::move(rounded);
 }
 
 void Volume::rename(std::string source) noexcept {

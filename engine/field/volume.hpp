@@ -22,6 +22,17 @@ namespace palpate {
 inline constexpr int kBrickSize = 8;                                       // voxels along a brick's edge
 inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;  // 512
 
+// The numbers of a file that no 32-bit float holds, so that the densities are others. A number that is scaled (slope
+// and intercept, a level set's unit) counts with what scaling it in double gives; a 64-bit integer in long double,
+// since a double does not hold every one.
+struct Rounding {
+  std::uint64_t count = 0;  // voxels, or before a resampling pixels
+  double most = 0;          // the largest change [density]
+  std::string of;           // what was rounded: "int32", "scaled int16"; "": nothing
+  // "12 of its int32 values are no 32-bit floats and were rounded, by 1 at most"; "": none was.
+  [[nodiscard]] std::string words() const;
+};
+
 // Where a volume came from and what its numbers mean; shown by `palpate info` and kept in summaries.
 struct VolumeFacts {
   std::string source;        // file or phantom name as the user gave it
@@ -36,6 +47,9 @@ struct VolumeFacts {
   std::optional<double> kept_isovalue;  // at which it was sculpted, as its file says; NaN and any double are possible
   std::string part;                     // the part of a folder: "series 2 of 3: 1.2.3"; empty: the folder has no parts
   std::optional<float> instead_of_nan;  // used while reading: the density that replaces invalid values; empty: refuse
+  Rounding rounded;                     // of the file's numbers, when they became densities
+  std::uint64_t replaced = 0;           // voxels that have no density in the file (NaN, padding), and one here
+  bool resampled = false;               // densities lie between those of the file (tilted slices made upright)
   std::string remark;                   // what a user should know: what was replaced or chosen; empty: nothing
 };
 
@@ -89,7 +103,8 @@ class Volume {
   void keepIsovalue(double isovalue) noexcept;
   // Sets facts().source, the name under which loadVolume finds the volume again.
   void rename(std::string source) noexcept;
-  void remark(const std::string& words);  // added to VolumeFacts::remark
+  void remark(const std::string& words);         // added to VolumeFacts::remark
+  void noteRounding(Rounding rounded) noexcept;  // sets facts().rounded, known once all bricks were read
 
   // The whole domain, i fastest. Memory: 4 bytes a voxel.
   [[nodiscard]] std::vector<float> toDense() const;

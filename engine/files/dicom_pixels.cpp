@@ -181,7 +181,7 @@ DicomPixels readDicomPixels(const DicomSeries& series, const std::vector<DicomVa
     pixels.padding.resize(pixels.densities.size());
   for (std::size_t n = 0; n < series.size(); ++n) {
     const auto take = [&](std::span<const char> words) {
-      toDensities(rules[n], words, std::span(pixels.densities).subspan(n * each, each));
+      toDensities(rules[n], words, std::span(pixels.densities).subspan(n * each, each), pixels.rounded);
       markPadding(rules[n], words, pixels.padding, n * each);
     };
     if (series[n].file->unpackedByGdcm()) {

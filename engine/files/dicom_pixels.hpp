@@ -16,6 +16,7 @@ struct DicomPixels {
   std::vector<float> densities;  // of all slices, in the order of the series
   std::vector<bool> padding;     // which of them are padding; empty: no file names any
   std::size_t clamped = 0;       // pixels that a lossy coding put beyond the stored bits
+  RoundedFew rounded;            // padding among them
 };
 
 // Throws Error(kBadInput) for pixels that are not as the transfer syntax says, or in one that nobody unpacks; for

@@ -119,6 +119,7 @@ void fillIn(std::vector<float>& values, VolumeFacts& facts) {
            "give another series");
   }
   if (without == 0) return;
+  facts.replaced = static_cast<std::uint64_t>(without);
   const float instead = valueInstead(values, facts);
   std::replace_if(values.begin(), values.end(), isNoValue, instead);
   addRemark(facts, fmt::format("{} of {} voxels have no value and are {} here{}", without, values.size(), instead,
@@ -144,6 +145,11 @@ Volume readDicom(const ReadRequest& wanted) {
   VolumeFacts facts = factsOf(all, key, rules, name);
   facts.instead_of_nan = wanted.instead_of_nan;
   DicomPixels pixels = readDicomPixels(series, rules, name);
+  const bool scaled = std::any_of(rules.begin(), rules.end(),
+                                  [](const DicomValueRule& rule) { return rule.slope != 1 || rule.intercept != 0; });
+  RoundedNumbers rounded;
+  rounded.add(pixels.rounded);
+  facts.rounded = rounded.of(facts.value_type, scaled);
   std::vector<float>& values = pixels.densities;
   tellScaleInPart(rules[0], facts);
   if (pixels.clamped > 0)
@@ -152,6 +158,7 @@ Volume readDicom(const ReadRequest& wanted) {
   tellPadding(settlePadding(values, pixels.padding, !facts.instead_of_nan, name), values.size(), facts);
   if (block.tilt > 0) {
     values = resampledUpright(values, series, upright);
+    facts.resampled = true;
     addRemark(facts, fmt::format("its slices are tilted by {:.3g} degrees and were resampled upright",
                                  block.tilt * kDegreesPerRadian));
   }

@@ -282,16 +282,20 @@ std::size_t clampToStored(const DicomValueRule& rule, std::span<char> words) {
   return clamped;
 }
 
-void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities) {
+void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities,
+                 RoundedFew& rounded) {
   const Stored stored(rule);
   const auto last = rule.table ? static_cast<std::int64_t>(rule.table->size()) - 1 : 0;
   forEachWord(rule, words, [&](std::size_t n, std::uint32_t word) {
     const std::int64_t value = stored.of(word);
-    densities[n] =
-        rule.table
-            ? static_cast<float>(
-                  (*rule.table)[static_cast<std::size_t>(std::clamp<std::int64_t>(value - rule.first_mapped, 0, last))])
-            : floatOf(static_cast<double>(value) * rule.slope + rule.intercept);
+    if (rule.table) {
+      densities[n] =
+          (*rule.table)[static_cast<std::size_t>(std::clamp<std::int64_t>(value - rule.first_mapped, 0, last))];
+      return;
+    }
+    const double exact = static_cast<double>(value) * rule.slope + rule.intercept;
+    densities[n] = floatOf(exact);
+    rounded.add(exact, densities[n]);
   });
 }
 

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/field/raw_values.hpp"
 #include "engine/files/dicom_slice.hpp"
 
 namespace palpate {
@@ -68,8 +69,9 @@ inline constexpr std::uint32_t kNoValueBits = 0x7fd0'0a1d;
 std::size_t clampToStored(const DicomValueRule& rule, std::span<char> words);
 
 // `words` in the machine's byte order, one for each of `densities`. What is too large for a float becomes beyondFloat()
-// (engine/field/finite_values.hpp). Padding is not looked at.
-void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities);
+// (engine/field/finite_values.hpp). What was rounded is added to `rounded`. Padding is treated as any other number.
+void toDensities(const DicomValueRule& rule, std::span<const char> words, std::span<float> densities,
+                 RoundedFew& rounded);
 
 // Sets padding[first + n] for every word n that is padding.
 void markPadding(const DicomValueRule& rule, std::span<const char> words, std::vector<bool>& padding,

@@ -62,8 +62,11 @@ Volume readInvesalius(const ReadRequest& wanted) {
   facts.format = "InVesalius";
   facts.value_type = nameOf(project.type);
   facts.orientation = "InVesalius axes: left, anterior, superior";
-  Volume::BrickSource bricks = rawBricks(raw.bytes(), project.type, project.size);
-  return Volume::fromLayers(project.size, lattice, std::move(facts), [&](int) { return bricks; });
+  RoundedNumbers rounded;
+  Volume::BrickSource bricks = rawBricks(raw.bytes(), project.type, project.size, 1, 0, &rounded);
+  Volume volume = Volume::fromLayers(project.size, lattice, std::move(facts), [&](int) { return bricks; });
+  volume.noteRounding(rounded.of(nameOf(project.type), false));
+  return volume;
 }
 
 }  // namespace palpate

@@ -73,7 +73,7 @@ Volume read(ItkRequest& request) {
   if (request.facts.value_type.empty()) request.facts.value_type = nameOf(type);
   RoundedNumbers rounded;
   Volume volume = readValues(request, type, size, lattice, &rounded);
-  if (rounded.count > 0) volume.remark(rounded.words(type));
+  volume.noteRounding(rounded.of(nameOf(type), request.slope != 1 || request.intercept != 0));
   return volume;
 }
 

@@ -12,6 +12,8 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/units.hpp"
+#include "engine/field/raw_values.hpp"
 #include "engine/files/text_header.hpp"
 #include "engine/files/volume_name.hpp"
 #include "engine/files/writers.hpp"
@@ -99,18 +101,22 @@ void writeValues(const Volume& volume, ValueType type, const ByteSink& sink) {
 
 namespace {
 
+using Unit = std::optional<LengthUnit>;
+
+LengthUnit unitOfVdb(const Volume& volume, Unit unit) {
+  return unit.value_or(volume.facts().is_level_set ? LengthUnit::kMetre : LengthUnit::kMillimetre);
+}
+
 struct VolumeWriter {
   const char* suffix;
-  bool takes_unit;
+  bool takes_unit;  // and so keeps distances in it, where the volume is a level set
   void (*write)(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink);
 };
 
-using Unit = std::optional<LengthUnit>;
 constexpr VolumeWriter kWriters[] = {
     {".vdb", true,
      [](const Volume& volume, const std::string& name, Unit unit, const ByteSink& sink) {
-       const LengthUnit usual = volume.facts().is_level_set ? LengthUnit::kMetre : LengthUnit::kMillimetre;
-       writeVdb(volume, name, unit.value_or(usual), sink);
+       writeVdb(volume, name, unitOfVdb(volume, unit), sink);
      }},
     {".nii", false,
      [](const Volume& volume, const std::string& name, Unit, const ByteSink& sink) { writeNifti(volume, name, sink); }},
@@ -156,6 +162,22 @@ void writeVolume(const Volume& volume, const std::string& name, std::optional<Le
   }
   if (!writer->takes_unit) refuseUnit(name, unit);
   writer->write(volume, name, unit, sink);
+}
+
+Rounding roundedByWriting(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit) {
+  const VolumeWriter* writer = writerFor(name);
+  const bool scales = writer != nullptr && writer->takes_unit && volume.facts().is_level_set &&
+                      unitOfVdb(volume, unit) == LengthUnit::kMillimetre;
+  if (!scales) return {};
+  RoundedFew rounded;
+  forEachLayer(volume, [&](std::span<const float> values) {
+    for (const float value : values) {
+      const double distance_mm = static_cast<double>(value) * kMillimetresPerMetre;
+      rounded.add(distance_mm, static_cast<float>(distance_mm));
+    }
+  });
+  if (rounded.count == 0) return {};
+  return {rounded.count, rounded.most, "millimetre"};
 }
 
 std::uint64_t saveVolume(const Volume& volume, const std::string& name) {

@@ -2,8 +2,8 @@
 // engine/files/volume_file.hpp: reads volumes from files of any format, and writes them.
 //
 // The suffix chooses the format of a written file: NRRD, NIfTI (also gzipped), MetaImage or OpenVDB. loadVolume reads
-// the file back with the same densities, bit for bit. The lattice comes back to the rounding of the format's numbers:
-// 32-bit floats in NIfTI, 64-bit in the others.
+// the file back with the same densities, bit for bit, unless roundedByWriting() counts some. The lattice comes back to
+// the rounding of the format's numbers: 32-bit floats in NIfTI, 64-bit in the others.
 //
 // Values are written as float32. Formats other than OpenVDB use int16 instead if the volume came from a file of
 // integers and every density is a whole number that an int16 holds. NIfTI is turned from LPS to RAS. In OpenVDB a level
@@ -41,6 +41,11 @@ enum class LengthUnit { kMillimetre, kMetre };  // of coordinates in a file
 // suffix, a unit that the format does not have, more voxels along an axis than NIfTI can count, and voxels that are too
 // small for OpenVDB in that unit.
 void writeVolume(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit, const ByteSink& sink);
+
+// What writeVolume() would round, at most in a level set's .vdb: its values are distances in the file's unit, and a
+// distance in metres times 1000 may be no float. `most` is in the file's unit. Cost: nothing, or a pass over the
+// bricks.
+[[nodiscard]] Rounding roundedByWriting(const Volume& volume, const std::string& name, std::optional<LengthUnit> unit);
 
 // Writes a file by writeVolume, whole or not at all (base/atomic_file.hpp), and returns its size [byte]. Throws as
 // these two do; a file of that name then stays as it was.

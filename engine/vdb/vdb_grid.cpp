@@ -401,6 +401,7 @@ std::unique_ptr<Volume::Grid> buildGridByLayers(const Vec3i& size, const Lattice
     if (const std::string remark = finite.remark(); !remark.empty()) {
       facts.remark += (facts.remark.empty() ? "" : "; ") + remark;
     }
+    facts.replaced += static_cast<std::uint64_t>(finite.replaced().count());
   } else {
     build(layers);
   }

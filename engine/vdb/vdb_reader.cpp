@@ -196,41 +196,63 @@ openvdb::CoordBBox domainOf(const openvdb::GridBase& grid, const std::string& so
   return box;
 }
 
-// Reads bricks out of a grid of any value type. If no leaf reaches into a brick, only its corners are read. Each layer
-// of bricks has a TreeBricks of its own.
+// Reads bricks out of a grid of any value type, and counts the values that are rounded, once for each voxel of the
+// domain. If no leaf reaches into a brick, only its corners are read. Each layer of bricks has a TreeBricks of its own.
 template <class Tree>
 class TreeBricks {
  public:
-  TreeBricks(const Tree& tree, const openvdb::CoordBBox& domain, double scale)
-      : values_(tree), domain_(domain), scale_(scale) {}
+  TreeBricks(const Tree& tree, const openvdb::CoordBBox& domain, double scale, RoundedNumbers& rounded)
+      : values_(tree), domain_(domain), scale_(scale), rounded_(rounded) {}
 
   bool operator()(const Vec3i& brick, float* out) {
     const openvdb::Coord first =
         domain_.min().offsetBy(brick.x() * kBrickSize, brick.y() * kBrickSize, brick.z() * kBrickSize);
-    if (constantFrom(first, out)) return true;
-    for (int k = 0; k < kBrickSize; ++k) {
-      for (int j = 0; j < kBrickSize; ++j) {
-        for (int i = 0; i < kBrickSize; ++i) *out++ = at(first.offsetBy(i, j, k));
+    RoundedFew few;
+    const bool constant = constantFrom(first, out);
+    if (constant) {
+      few.add(exactAt(first), out[0]);
+      few.count *= insideOf(first);
+    } else {
+      for (int k = 0; k < kBrickSize; ++k) {
+        for (int j = 0; j < kBrickSize; ++j) {
+          for (int i = 0; i < kBrickSize; ++i, ++out) {
+            const openvdb::Coord voxel = first.offsetBy(i, j, k);
+            const double exact = exactAt(voxel);
+            *out = floatOf(exact);
+            if (domain_.isInside(voxel)) few.add(exact, *out);
+          }
+        }
       }
     }
-    return false;
+    rounded_.add(few);
+    return constant;
   }
 
  private:
-  float at(openvdb::Coord voxel) const {
+  // Voxels outside the domain repeat the nearest one inside.
+  double exactAt(openvdb::Coord voxel) const {
     voxel.minComponent(domain_.max());
-    return floatOf(scale_ * static_cast<double>(values_.getValue(voxel)));
+    return scale_ * static_cast<double>(values_.getValue(voxel));
+  }
+
+  // Voxels of the brick from `first` on that lie in the domain.
+  std::uint64_t insideOf(const openvdb::Coord& first) const {
+    openvdb::CoordBBox box(first, first.offsetBy(kBrickSize - 1));
+    box.intersect(domain_);
+    return box.volume();
   }
 
   // A brick overlaps at most two leaf cells along each axis. Its corners lie in all the leaf cells that it overlaps.
+  // Numbers that only their floats have in common are counted one by one.
   bool constantFrom(const openvdb::Coord& first, float* out) const {
-    out[0] = at(first);
+    const double exact = exactAt(first);
+    out[0] = floatOf(exact);
     for (int corner = 0; corner < 8; ++corner) {
       const int last = kBrickSize - 1;
       const openvdb::Coord voxel =
           first.offsetBy((corner & 1) * last, (corner >> 1 & 1) * last, (corner >> 2 & 1) * last);
-      const float value = at(voxel);
-      if (values_.probeConstLeaf(voxel) != nullptr || !sameBits(value, out[0])) return false;
+      const double value = exactAt(voxel);
+      if (values_.probeConstLeaf(voxel) != nullptr || value != exact || !sameBits(floatOf(value), out[0])) return false;
     }
     return true;
   }
@@ -238,6 +260,7 @@ class TreeBricks {
   openvdb::tree::ValueAccessor<const Tree, false> values_;  // not registered with the tree, which does not change
   openvdb::CoordBBox domain_;
   double scale_;
+  RoundedNumbers& rounded_;
 };
 
 // Whether the file's leaves are aligned with the volume's bricks and hold the same values.
@@ -267,9 +290,13 @@ Volume convert(openvdb::GridBase& base, const Lattice& lattice, const openvdb::C
     if (leavesAreBricks(base, domain, scale)) leaf_of = leavesOf(tree, domain);
   }
   using Bricks = TreeBricks<typename GridType::TreeType>;
-  return Volume(buildGridByLayers(
-      Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts), [&](int) { return Bricks(tree, domain, scale); },
-      leaf_of));
+  RoundedNumbers rounded;
+  const std::string type = facts.value_type;
+  Volume volume(buildGridByLayers(
+      Vec3i(dim.x(), dim.y(), dim.z()), lattice, std::move(facts),
+      [&](int) { return Bricks(tree, domain, scale, rounded); }, leaf_of));
+  volume.noteRounding(rounded.of(type, scale != 1));
+  return volume;
 }
 
 // Counts the leaves, their copy on the GPU, and a tile for every brick of the domain. Leaves that are taken over have

@@ -4,7 +4,10 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <map>
+#include <numeric>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
@@ -70,6 +73,71 @@ TEST_F(Convert, WhatIsOddAboutTheVolumeIsTold) {
     const std::string words = "palpate: " + file("a.nrrd") + ": the file gives no voxel size; 1 mm is assumed";
     EXPECT_EQ(told.find(words) != std::string::npos, spacings.empty()) << told;
     EXPECT_EQ(told.find("palpate: ") != std::string::npos, spacings.empty()) << told;
+  }
+}
+
+// A file of 64 voxels.
+std::string nrrdOf(const std::string& type, const std::string& bytes) {
+  return "NRRD0004\ntype: " + type +
+         "\ndimension: 3\nsizes: 4 4 4\nspacings: 1 1 1\nencoding: raw\nendian: little\n\n" + bytes;
+}
+template <class T>
+std::string bytesOf(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+// 2^24 + n for n from 0 to 63: every second one is no float, and lies 1 from the next. What was at the output stays.
+TEST_F(Convert, ExactRefusesNumbersThatAreRounded) {
+  std::vector<std::int32_t> values(64);
+  std::iota(values.begin(), values.end(), 1 << 24);
+  std::ofstream(file("a.nrrd"), std::ios::binary) << nrrdOf("int", bytesOf(values));
+  std::ofstream(file("b.nrrd")) << "older";
+  expectRefused({.in = file("a.nrrd"), .out = file("b.nrrd"), .exact = true}, Error::Code::kBadInput,
+                file("a.nrrd") +
+                    ": 32 of its int32 values are no 32-bit floats and were rounded, by 1 at most; leave --exact out");
+  std::ostringstream kept;
+  kept << std::ifstream(file("b.nrrd")).rdbuf();
+  EXPECT_EQ(kept.str(), "older");
+  EXPECT_EQ(folder_.files(), 2);
+  testing::internal::CaptureStderr();
+  static_cast<void>(run({.in = file("a.nrrd"), .out = file("b.nrrd")}));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("32 of its int32 values are no 32-bit floats"));
+}
+
+TEST_F(Convert, ExactRefusesWhatIsReplaced) {
+  std::vector<float> values(64, 0.5F);
+  values[7] = std::numeric_limits<float>::quiet_NaN();
+  std::ofstream(file("a.nrrd"), std::ios::binary) << nrrdOf("float", bytesOf(values));
+  expectRefused({.in = file("a.nrrd") + "?nan=3", .out = file("b.mha"), .exact = true}, Error::Code::kBadInput,
+                "1 of its voxels have no density in the file, and were given one; leave --exact out");
+  expectRefused({.in = kBall, .out = file("a.stl"), .exact = true}, Error::Code::kBadInput,
+                "--exact: a mesh keeps no densities");
+}
+
+// Distances of a sphere in metres: thousandths of a level set's are no floats as a rule.
+TEST_F(Convert, ExactRefusesALevelSetInMillimetres) {
+  const Volume ball = loadVolume(kBall);
+  VolumeFacts facts;
+  facts.is_level_set = true;
+  static_cast<void>(saveVolume(Volume::fromDense(ball.size(), ball.lattice(), ball.toDense(), facts), file("a.vdb")));
+  expectRefused({.in = file("a.vdb"), .out = file("b.vdb"), .unit = LengthUnit::kMillimetre, .exact = true},
+                Error::Code::kBadInput, "b.vdb: ");
+  expectRefused({.in = file("a.vdb"), .out = file("b.vdb"), .unit = LengthUnit::kMillimetre, .exact = true},
+                Error::Code::kBadInput, " of its millimetre values are no 32-bit floats and were rounded, by ");
+  for (const char* name : {"b.vdb", "b.nrrd"}) {
+    static_cast<void>(run({.in = file("a.vdb"), .out = file(name), .exact = true}));
+    EXPECT_EQ(loadVolume(file(name)).toDense(), ball.toDense());
+  }
+}
+
+// Numbers that floats hold go through every format, whatever their type and scale.
+TEST_F(Convert, ExactIsNoObstacleWhereAllIsKept) {
+  std::vector<double> values(64);
+  for (std::size_t n = 0; n < values.size(); ++n) values[n] = 0.25 * static_cast<double>(n) - 3;
+  std::ofstream(file("a.nrrd"), std::ios::binary) << nrrdOf("double", bytesOf(values));
+  for (const char* name : {"b.vdb", "b.nrrd", "b.nii", "b.nii.gz", "b.mha"}) {
+    static_cast<void>(run({.in = file("a.nrrd"), .out = file(name), .exact = true}));
+    EXPECT_EQ(loadVolume(file(name)).toDense(), std::vector<float>(values.begin(), values.end())) << name;
   }
 }
 

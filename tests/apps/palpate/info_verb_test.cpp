@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate info`, and what other verbs say of a volume that is odd.
+#include <fstream>
 #include <limits>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "nrrd_bytes.hpp"
 #include "program_test.hpp"
@@ -131,6 +133,45 @@ TEST_F(InfoVerb, TellWhatIsOddAboutAVolume) {
     EXPECT_THAT(lines[0], HasSubstr("a.nrrd?nan=3: 2 of ")) << verb[0];
   }
   EXPECT_THAT(run({"info", "a.nrrd", "--nan", "3"}).out, HasSubstr("note         2 of "));
+}
+
+// Its own fields, so that a program need not read the words. 2^24 + n is a float for every second n.
+TEST_F(InfoVerb, InfoIsAFileToo) {
+  std::string bytes;
+  for (std::int32_t n = 0; n < 60; ++n) {
+    const std::int32_t value = (1 << 24) + n;
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write("a.nrrd",
+        "NRRD0004\ntype: int\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\n"
+        "space directions: (0,2,0) (3,0,0) (0,0,4)\nspace origin: (10,20,-30)\nencoding: raw\nendian: little\n\n" +
+            bytes);
+  const Outcome outcome = run({"info", "a.nrrd", "--json", "a.json"});
+  expectSuccess(outcome);
+  const std::string words = "30 of its int32 values are no 32-bit floats and were rounded, by 1 at most";
+  EXPECT_THAT(outcome.out, HasSubstr("  note         " + words + "\n"));
+  const nlohmann::json info = nlohmann::json::parse(std::ifstream(file("a.json")));
+  EXPECT_EQ(info.at("schema"), "palpate.info/1");
+  EXPECT_EQ(info.at("volume"), "a.nrrd");
+  EXPECT_EQ(info.at("format"), "NRRD");
+  EXPECT_EQ(info.at("value_type"), "int32");
+  EXPECT_EQ(info.at("size_voxel"), nlohmann::json({3, 4, 5}));
+  EXPECT_EQ(info.at("spacing_mm"), nlohmann::json({2.0, 3.0, 4.0}));
+  EXPECT_EQ(info.at("origin_mm"), nlohmann::json({10.0, 20.0, -30.0}));
+  EXPECT_EQ(info.at("axes"), nlohmann::json({{0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}}));
+  EXPECT_EQ(info.at("note"), words);
+  EXPECT_EQ(info.at("rounded"), nlohmann::json({{"count", 30}, {"most", 1.0}, {"of", "int32"}}));
+  EXPECT_EQ(info.at("replaced"), 0);
+  EXPECT_EQ(info.at("resampled"), false);
+  EXPECT_EQ(info.at("minimum"), 16777216);
+  EXPECT_EQ(info.at("maximum"), 16777276);  // 2^24 + 59, to the even float
+  EXPECT_FALSE(info.at("isovalues").empty());
+  expectRefusal(run({"info", "a.nrrd", "--json", "a.nrrd"}), "a.nrrd", "it is the input", 2);
+  expectRefusal(run({"convert", "a.nrrd", "b.nrrd", "--exact"}), "a.nrrd", words, 2);
+  EXPECT_FALSE(exists("b.nrrd"));
+  write("a.nrrd", rampWithNan());
+  expectSuccess(run({"info", "a.nrrd", "--nan", "3", "--json", "a.json"}));
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(file("a.json"))).at("replaced"), 2);
 }
 
 // 64 voxels with so many slices, in steps of so many millimetres.

@@ -187,6 +187,8 @@ TEST_F(Tilted, WhatLiesOutsideIsTheLowestDensityAndTold) {
   const Volume volume = loadVolume(upright());
   EXPECT_EQ(volume.size(), Vec3i(kColumns, kRows + 2, 3));
   EXPECT_EQ(volume.value({0, 0, 0}), 7);
+  EXPECT_TRUE(volume.facts().resampled);
+  EXPECT_EQ(volume.facts().replaced, 42U);
   EXPECT_EQ(volume.value({0, 0, 2}), 7);  // outside: the lowest of all, that of the first pixel
   EXPECT_EQ(volume.value({0, 2, 2}), 40 * 1.5F + 7);
   // atan(0.75 / 2) is 20.556 degrees; two rows of seven lie outside each slice.
@@ -241,6 +243,7 @@ TEST_F(Tilted, IsRefusedWhereAllVoxelsLieBesidePadding) {
 TEST_F(Tilted, UprightSlicesStayAsTheyAre) {
   write(steps(3, 0, 0), [](double x, double y, double z) { return 100 * x + 40 * y + 9 * z; });
   EXPECT_EQ(loadVolume(upright()).toDense(), loadVolume(folder_.path()).toDense());
+  EXPECT_FALSE(loadVolume(upright()).facts().resampled);
   EXPECT_EQ(loadVolume(upright()).facts().remark, loadVolume(folder_.path()).facts().remark);
 }
 

@@ -14,9 +14,12 @@ namespace palpate {
 namespace dicom_values_test {
 
 template <class Word>
-std::vector<float> densitiesOf(const DicomValueRule& rule, const std::vector<Word>& words) {
+std::vector<float> densitiesOf(const DicomValueRule& rule, const std::vector<Word>& words,
+                               RoundedFew* rounded = nullptr) {
   std::vector<float> densities(words.size());
-  toDensities(rule, {reinterpret_cast<const char*>(words.data()), words.size() * sizeof(Word)}, densities);
+  RoundedFew few;
+  toDensities(rule, {reinterpret_cast<const char*>(words.data()), words.size() * sizeof(Word)}, densities, few);
+  if (rounded != nullptr) *rounded = few;
   return densities;
 }
 using Floats = std::vector<float>;
@@ -64,6 +67,26 @@ TEST(DicomValues, AreScaledInDoubleAndRoundedOnce) {
   const Floats beyond = densitiesOf(rule, Longs{3, 4});
   EXPECT_TRUE(std::isfinite(beyond[0]));
   EXPECT_EQ(std::bit_cast<std::uint32_t>(beyond[1]), kBeyondFloatBits);
+}
+
+// What no float reaches is told otherwise. 2^24 + 1 becomes 2^24, 2^32 - 1 becomes 2^32, and 2^24 + 3 becomes 2^24 + 4:
+// whether padding keeps its density is settled later.
+TEST(DicomValues, ThatNoFloatHoldsAreCounted) {
+  DicomValueRule rule = bits(32, 32, 31, false);
+  rule.padding = {16777219, 16777219};
+  RoundedFew rounded;
+  const Longs words = {16777216, 16777217, 16777219, 0xffffffff, 3};
+  static_cast<void>(densitiesOf(rule, words, &rounded));
+  EXPECT_EQ(rounded.count, 3U);
+  EXPECT_EQ(rounded.most, 1);
+  rule.slope = 1e38;  // of 3e38 alone, whose float is another double
+  static_cast<void>(densitiesOf(rule, words, &rounded));
+  EXPECT_EQ(rounded.count, 1U);
+  EXPECT_EQ(rounded.most, std::abs(3e38 - static_cast<double>(3e38F)));
+  rule = bits(16, 16, 15, true);
+  rule.table = std::make_shared<const Shorts>(Shorts{10, 20, 65535});
+  static_cast<void>(densitiesOf(rule, Shorts{0, 1, 2}, &rounded));
+  EXPECT_EQ(rounded.count, 0U);
 }
 
 TEST(DicomValues, ComeFromTheTableWhereThereIsOne) {
@@ -346,6 +369,16 @@ TEST_F(DicomValuesOfSeries, AreRefusedWithATableThatIsNotClear) {
   refuses("a RescaleIntercept and a ModalityLUTSequence, which exclude each other");
 }
 
+// In each of two slices a tenth of 1, 2, -1 and 32767; of 0 and 100 it is whole.
+TEST_F(DicomValuesOfSeries, ThatNoFloatHoldsAreTold) {
+  write(ramp(), scale("0.1", "0"));
+  const Rounding& rounded = loadVolume(folder_.path()).facts().rounded;
+  EXPECT_EQ(rounded.count, 2U * 4);
+  EXPECT_EQ(rounded.of, "scaled int16");
+  write(ramp(), scale("0.5", "-100"));
+  EXPECT_EQ(loadVolume(folder_.path()).facts().rounded.count, 0U);
+}
+
 // --- padding --------------------------------------------------------------------------------------------------------
 
 TEST_F(DicomValuesOfSeries, OfPaddingAreTheLowestDensityOrWhatTheUserSays) {
@@ -361,6 +394,8 @@ TEST_F(DicomValuesOfSeries, OfPaddingAreTheLowestDensityOrWhatTheUserSays) {
   expectSlices({-100, -98, -7, -102, 100, 65434}, "?nan=-7");
   EXPECT_EQ(loadVolume(folder_.path() + "?nan=-7").facts().remark,
             "2 of 12 pixels are padding in the files; 2 of 12 voxels have no value and are -7 here");
+  EXPECT_EQ(loadVolume(folder_.path()).facts().replaced, 2U);
+  EXPECT_EQ(loadVolume(folder_.path() + "?nan=-7").facts().replaced, 2U);
   // A range, its ends in any order; the type US where SS is meant is a common mistake.
   for (const auto& [value, limit] : {std::pair{-1, 1}, {1, -1}}) {
     for (const char* type : {"SS", "US"}) {

@@ -134,6 +134,7 @@ TEST_F(NanVoxels, BecomeTheDensityThatTheNameAsksForInEveryFormat) {
         EXPECT_EQ(volume.facts().source, name);
         EXPECT_THAT(volume.facts().remark, testing::HasSubstr(fmt::format("{} of ", image.bad())));
         EXPECT_THAT(volume.facts().remark, testing::HasSubstr(fmt::format("and {} here", instead)));
+        EXPECT_EQ(volume.facts().replaced, static_cast<std::uint64_t>(image.bad()));
         EXPECT_FALSE(volume.facts().instead_of_nan);  // or what is computed from it would be mended in silence
       }
     }
