@@ -58,19 +58,15 @@ class RoundedMany {
     std::memcpy(&numbers, raw, sizeof numbers);
     std::memcpy(&floats, kept, sizeof floats);
     const Wide stored = __builtin_convertvector(numbers, Wide), become = __builtin_convertvector(floats, Wide);
-    add(pairs_[0], __builtin_shufflevector(stored, stored, 0, 1), __builtin_shufflevector(become, become, 0, 1));
-    add(pairs_[1], __builtin_shufflevector(stored, stored, 2, 3), __builtin_shufflevector(become, become, 2, 3));
+    add(low_, __builtin_shufflevector(stored, stored, 0, 1), __builtin_shufflevector(become, become, 0, 1));
+    add(high_, __builtin_shufflevector(stored, stored, 2, 3), __builtin_shufflevector(become, become, 2, 3));
   }
 
+  // Lanes are named one by one: an index that is no constant would keep the sums in memory.
   [[nodiscard]] RoundedFew all() const {
-    RoundedFew sum;
-    for (const Pair& pair : pairs_) {
-      for (const int lane : {0, 1}) {
-        sum.count += static_cast<std::uint64_t>(pair.counts[lane]);
-        sum.most = std::max(sum.most, pair.most[lane]);
-      }
-    }
-    return sum;
+    const Counts counts = low_.counts + high_.counts;
+    const Doubles most = low_.most > high_.most ? low_.most : high_.most;
+    return {static_cast<std::uint64_t>(counts[0] + counts[1]), std::max(most[0], most[1])};
   }
 
  private:
@@ -90,7 +86,7 @@ class RoundedMany {
   }
 
   Doubles slope_, intercept_;
-  std::array<Pair, 2> pairs_;
+  Pair low_, high_;
 };
 
 // Value `n` as a float.
