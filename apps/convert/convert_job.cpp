@@ -111,8 +111,10 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
       request.out,
       Rights::kPrivate);  // opened before the long work, so that a folder without write permission is refused at once
   progress.stage("loading " + request.in);
-  const Volume volume = loadAndTell(request.in, progress);
-  if (request.exact) checkExact(volume, request);
+  const Volume volume = loadVolume(request.in);
+  progress.done();
+  if (request.exact) checkExact(volume, request);  // a refusal says the same words as the remark
+  tellRemark(volume);
   throwIfInterrupted("palpate convert");
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();

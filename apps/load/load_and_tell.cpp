@@ -9,9 +9,13 @@ namespace palpate {
 Volume loadAndTell(const std::string& name, Progress& progress) {
   Volume volume = loadVolume(name);
   progress.done();
+  tellRemark(volume);
+  return volume;
+}
+
+void tellRemark(const Volume& volume) {
   const VolumeFacts& facts = volume.facts();
   if (!facts.remark.empty()) tellUser(facts.source + ": " + facts.remark);
-  return volume;
 }
 
 }  // namespace palpate

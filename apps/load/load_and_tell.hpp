@@ -14,5 +14,7 @@ namespace palpate {
 // loadVolume(). Then ends the line of progress and writes "palpate: SOURCE: REMARK" as one line on stderr, if the
 // volume has a remark (VolumeFacts::remark).
 [[nodiscard]] Volume loadAndTell(const std::string& name, Progress& progress);
+// The line alone, for a volume that loadVolume() has loaded.
+void tellRemark(const Volume& volume);
 
 }  // namespace palpate
