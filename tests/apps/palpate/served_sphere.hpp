@@ -17,6 +17,20 @@ class ServedSphere : public ServiceTest {
     const Volume volume = loadVolume(file(name).string());
     return volume.density(place_W).value_or(-1e9);
   }
+  // In the file of what was set, wherever the journal lies.
+  [[nodiscard]] bool isKept(const std::string& words) const {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder()))
+      if (entry.path().filename() == "settings.json" && contentsOf(entry.path()).find(words) != std::string::npos)
+        return true;
+    return false;
+  }
+  [[nodiscard]] bool awaitKept(const std::string& words) const {
+    for (int look = 0; look < 200; ++look) {
+      if (isKept(words)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
 };
 
 }  // namespace palpate
