@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "apps/console/interrupt.hpp"
+#include "apps/console/message.hpp"
 #include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/byte_size.hpp"
@@ -47,6 +48,15 @@ void checkExact(const Volume& volume, const ConvertRequest& request) {
   }
   const Rounding written = roundedByWriting(volume, request.out, request.unit);
   if (written.count > 0) refuse(request.out, written.words(), "give --unit m, which keeps them, or leave --exact out");
+}
+
+// A mesh keeps no densities.
+void tellRounding(const Volume& volume, const ConvertRequest& request) {
+  if (isMeshFileName(request.out)) return;
+  const Rounding& read = volume.facts().rounded;
+  const Rounding written = roundedByWriting(volume, request.out, request.unit);
+  if (read.count > 0) tellUser(request.in + ": " + read.words());
+  if (written.count > 0) tellUser(request.out + ": " + written.words());
 }
 
 struct Output {
@@ -113,7 +123,7 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
   progress.done();
-  if (request.exact) checkExact(volume, request);  // a refusal says the same words as the remark
+  request.exact ? checkExact(volume, request) : tellRounding(volume, request);
   tellRemark(volume);
   throwIfInterrupted("palpate convert");
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);

@@ -63,6 +63,7 @@ void printFacts(const Volume& volume) {
               axes(2, 2));
   if (!facts.orientation.empty()) printResult("  orientation  {}\n", facts.orientation);
   if (!facts.remark.empty()) printResult("  note         {}\n", facts.remark);
+  if (facts.rounded.count > 0) printResult("  rounded      {}\n", facts.rounded.words());
   if (!facts.rescale_in_words.empty()) {
     printResult("  rescale      density = {}\n", facts.rescale_in_words);
   }

@@ -132,7 +132,6 @@ Volume loadVolume(const std::string& name, std::size_t memory_budget_bytes) {
     }
     Volume volume = format.read({plain, memory_budget_bytes, parsed.instead_of_nan, parsed.resample});
     if (plain != name) volume.rename(name);
-    if (volume.facts().rounded.count > 0) volume.remark(volume.facts().rounded.words());
     remarkOnSize(volume);
     return volume;
   } catch (const std::bad_alloc&) {

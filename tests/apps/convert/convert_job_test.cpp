@@ -102,6 +102,9 @@ TEST_F(Convert, ExactRefusesNumbersThatAreRounded) {
   testing::internal::CaptureStderr();
   static_cast<void>(run({.in = file("a.nrrd"), .out = file("b.nrrd")}));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("32 of its int32 values are no 32-bit floats"));
+  testing::internal::CaptureStderr();
+  static_cast<void>(run({.in = file("a.nrrd"), .out = file("b.stl")}));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // a mesh has no densities
 }
 
 TEST_F(Convert, ExactRefusesWhatIsReplaced) {
@@ -124,6 +127,9 @@ TEST_F(Convert, ExactRefusesALevelSetInMillimetres) {
                 Error::Code::kBadInput, "b.vdb: ");
   expectRefused({.in = file("a.vdb"), .out = file("b.vdb"), .unit = LengthUnit::kMillimetre, .exact = true},
                 Error::Code::kBadInput, " of its millimetre values are no 32-bit floats and were rounded, by ");
+  testing::internal::CaptureStderr();
+  static_cast<void>(run({.in = file("a.vdb"), .out = file("b.vdb"), .unit = LengthUnit::kMillimetre}));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("b.vdb: "));
   for (const char* name : {"b.vdb", "b.nrrd"}) {
     static_cast<void>(run({.in = file("a.vdb"), .out = file(name), .exact = true}));
     EXPECT_EQ(loadVolume(file(name)).toDense(), ball.toDense());

@@ -55,16 +55,16 @@ TEST_F(Nrrd, TellsOfNumbersThatAFloatCannotHold) {
   }
   const std::string odd = std::to_string(integers.size() / 2), all = std::to_string(thirds.size());
   const std::string words = odd + " of its int32 values are no 32-bit floats and were rounded, by 1 at most";
-  EXPECT_EQ(load(nrrdHeader("int", "raw") + "\n" + bytesOf<std::int32_t>(integers)).facts().remark, words);
+  EXPECT_EQ(load(nrrdHeader("int", "raw") + "\n" + bytesOf<std::int32_t>(integers)).facts().rounded.words(), words);
   writeGzip(folder_.file("data.gz"), bytesOf<std::int32_t>(integers));
-  EXPECT_EQ(load(nrrdHeader("int", "gzip") + "\n" + readFile(folder_.file("data.gz"))).facts().remark, words);
-  EXPECT_EQ(load(nrrdHeader("double", "raw") + "\n" + bytesOf<double>(thirds)).facts().remark,
+  EXPECT_EQ(load(nrrdHeader("int", "gzip") + "\n" + readFile(folder_.file("data.gz"))).facts().rounded.words(), words);
+  EXPECT_EQ(load(nrrdHeader("double", "raw") + "\n" + bytesOf<double>(thirds)).facts().rounded.words(),
             all + " of its float64 values are no 32-bit floats and were rounded, by 0.0417 at most");
   // 2^63 - 1 is one less than its float; a double could not tell.
   std::vector<double> largest(integers.size(), 0);
   std::string bytes = bytesOf<std::int64_t>(largest);
   bytes.replace(0, 8, "\xff\xff\xff\xff\xff\xff\xff\x7f", 8);
-  EXPECT_EQ(load(nrrdHeader("int64", "raw") + "\n" + bytes).facts().remark,
+  EXPECT_EQ(load(nrrdHeader("int64", "raw") + "\n" + bytes).facts().rounded.words(),
             "1 of its int64 values are no 32-bit floats and were rounded, by 1 at most");
 }
 

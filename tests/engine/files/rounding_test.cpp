@@ -59,7 +59,7 @@ void expectCounted(const Volume& volume, const std::vector<long double>& exact, 
   EXPECT_EQ(told.count, count);
   EXPECT_EQ(told.most, static_cast<double>(most));
   EXPECT_EQ(told.of, count > 0 ? of : "");
-  EXPECT_EQ(volume.facts().remark.find("are no 32-bit floats") != std::string::npos, count > 0);
+  EXPECT_EQ(volume.facts().rounded.words().find("are no 32-bit floats") != std::string::npos, count > 0);
 }
 
 template <class T>
