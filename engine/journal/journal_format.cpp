@@ -248,4 +248,11 @@ std::optional<BricksRecord> bricksOf(std::string_view content, KeptBricks& brick
   return record;
 }
 
+std::uint64_t editsOfBricks(std::string_view content) {
+  ByteReader in(content);
+  std::uint64_t edits = 0;
+  in.get(edits);
+  return in.good() ? edits : 0;
+}
+
 }  // namespace palpate

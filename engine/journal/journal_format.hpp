@@ -95,6 +95,8 @@ struct BricksRecord {
 };
 // The bricks go to those that are there.
 [[nodiscard]] std::optional<BricksRecord> bricksOf(std::string_view content, KeptBricks& bricks);
+// How many edits made these bricks, as the front of the content says, even if the rest is damaged.
+[[nodiscard]] std::uint64_t editsOfBricks(std::string_view content);
 
 // Decodes the header at the front of a journal's bytes. Returns the header's length [byte]. Throws Error(kBadInput),
 // naming `input`, if the bytes are no journal, are a journal of another version, or have a damaged header.

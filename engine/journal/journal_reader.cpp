@@ -64,6 +64,9 @@ class Reading {
       journal.last_sequence = 0;
     }
     journal.damage = damageAt(at, journal.last_sequence, reason);
+    const Frame begin = frameAt(bytes_.substr(at));
+    if (at == first && static_cast<RecordKind>(begin.kind) == RecordKind::kBricks)
+      journal.damage->edits_before = editsOfBricks(begin.content);
   }
 
  private:

@@ -27,6 +27,7 @@ struct JournalDamage {
   std::uint64_t records = 0;        // records recognised there, the damaged one included
   std::string reason;               // "record 7 is cut short"
   std::uint64_t last_sequence = 0;  // the highest number that a record there has, or must have
+  std::uint64_t edits_before = 0;   // that the journal began with, if what it began with is damaged
   // The record is the last, and its end is missing or zeros: so a session that is killed while it writes leaves it, or
   // whose power is cut. Nobody was told that it is saved.
   bool is_torn_end = false;

@@ -115,11 +115,15 @@ Recovered recoverSession(const Journal& journal, const fs::path& folder, const f
     return found;
   }
   const std::uint64_t highest = journal.damage->last_sequence;
-  found.lost_records = found.sequence == 0 ? journal.damage->records : highest - std::min(found.sequence, highest);
+  found.lost_records = found.sequence == 0 ? journal.damage->records + journal.damage->edits_before
+                                           : highest - std::min(found.sequence, highest);
   found.loss = fmt::format("{} is damaged: {}", journalFile(folder).string(), describeDamage(*journal.damage));
   if (is_beyond)
     found.loss += fmt::format(". A checkpoint has the edits up to record {}; {} lost", found.sequence,
                               found.lost_records == 0 ? "nothing is" : recordWords(found.lost_records) + " are");
+  else if (journal.damage->edits_before > 0)
+    found.loss += fmt::format(". It began with the volume as {} earlier edits had made it, which are lost as well",
+                              journal.damage->edits_before);
   return found;
 }
 

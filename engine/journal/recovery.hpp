@@ -34,8 +34,10 @@ struct Recovered {
   std::vector<LastingEdit> before;  // the edits that it holds, in order; none where it begins_with_bricks
   std::vector<LastingEdit> edits;   // to be made after them
   std::uint64_t sequence = 0;       // of the last record that counts
-  std::uint64_t lost_records = 0;   // later ones; a record that was being written when the session died is none
-  std::string loss;                 // what cannot be read, and what was done about it, in words; empty: nothing
+  // Later ones, and the edits that a journal began with if its beginning is damaged. A record that was being written
+  // when the session died is none.
+  std::uint64_t lost_records = 0;
+  std::string loss;  // what cannot be read, and what was done about it, in words; empty: nothing
   // Not all edits that the volume holds are known, so the journal of the next session must begin with its bricks.
   bool begins_with_bricks = false;
 };

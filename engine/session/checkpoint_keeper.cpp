@@ -41,7 +41,8 @@ bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
     if (attempt_.failed) marks_[attempt_.place].reset();
     not_before_ns_ = attempt_.began_ns + std::llround(attempt_.seconds / kShareForWriting * kNanosecondsPerSecond);
   }
-  return (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0 && now_ns >= not_before_ns_ && state_.mark();
+  const bool are_many = (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0;
+  return (is_alone_ || are_many) && now_ns >= not_before_ns_ && state_.mark();
 }
 
 // The newest stays, and the one before goes.
@@ -58,7 +59,7 @@ std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns,
   marks_[place] = mark;
   attempt_ = {.place = place, .began_ns = now_ns, .is_new = true};
   edits_s_ = 0;
-  is_others_ = false;
+  is_others_ = is_alone_ = false;
   return [this, head = CheckpointHead{mark, journal_, sequence}, place](const Volume& volume) {
     write(volume, head, place);
   };

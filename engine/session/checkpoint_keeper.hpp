@@ -4,7 +4,8 @@
 //
 // One is due once the edits since the last one took 0.3 s to make. So a session that comes back from its journal makes
 // edits of about twice that time again, however many there were. A large checkpoint comes less often: writing takes one
-// twentieth of the time at most. Threads: the engine's; what writer() returns runs in the saver's, and until it is done
+// twentieth of the time at most. One is also due where the journal begins with bricks: a damaged bit among them would
+// cost all edits. Threads: the engine's; what writer() returns runs in the saver's, and until it is done
 // no brick is noted and nothing else is asked.
 #pragma once
 
@@ -35,6 +36,8 @@ class CheckpointKeeper {
   // Every edit and undo that was made, in order.
   void edited(double seconds) noexcept;
   void undone() noexcept;
+  // The journal begins with the volume as earlier edits have made it, and no other file has these: one is due.
+  void journalBeganAnew() noexcept { is_alone_ = true; }
 
   // When the saver's volume holds every change: whether it is to be written, and what does that with it. `sequence`: of
   // the journal's newest record. The keeper outlives the saver.
@@ -53,6 +56,7 @@ class CheckpointKeeper {
   CheckpointMarks marks_;   // of the files; empty: it may be overwritten
   double edits_s_ = 0;      // that the newest checkpoint lacks
   bool is_others_ = false;  // the newest checkpoint is of the journal before
+  bool is_alone_ = false;   // the journal has what no checkpoint has
   std::int64_t not_before_ns_ = std::numeric_limits<std::int64_t>::min();
   // Of the last one that was begun. The saver's thread writes them before it is ready again.
   struct Attempt {

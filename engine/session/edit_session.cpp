@@ -49,6 +49,7 @@ void EditSession::keepCheckpoints(const std::filesystem::path& folder, std::span
                                   double edits_between_s) {
   state_->begin(*state_->mark(), before, held.bricks);
   checkpoints_.emplace(folder, *state_, journal_id_, held, std::move(told), edits_between_s);
+  if (journal_->appended() > 0) checkpoints_->journalBeganAnew();
   for (const LastingEdit& edit : before)
     journal_->edit(edit.commands, edit.goes_on ? RecordKind::kEditOn : RecordKind::kEdit);
 }
@@ -140,8 +141,10 @@ void EditSession::keepAbreast() {
   saver_->keepWhole();
 }
 
-bool EditSession::isCopyDue(std::int64_t now_ns) const {
-  return keeps_abreast_ && missing_.size() > 0 && (now_ns >= next_copy_ns_ || missing_.size() >= kMostMissing);
+bool EditSession::isCopyDue(std::int64_t now_ns) {
+  if (!keeps_abreast_) return false;
+  if (missing_.size() >= kMostMissing) return true;
+  return now_ns >= next_copy_ns_ && (missing_.size() > 0 || (checkpoints_ && checkpoints_->isDue(now_ns)));
 }
 
 void EditSession::feedSaver(std::int64_t now_ns) {
@@ -153,6 +156,7 @@ void EditSession::feedSaver(std::int64_t now_ns) {
   const std::size_t more = changed > bricks_left_ ? changed - bricks_left_ : 0;
   bricks_left_ = changed;
   if (!saver_->ready()) return holdBack();
+  if (checkpoints_ && renewal_->takeBegun()) checkpoints_->journalBeganAnew();
   const bool renewal_due = renewal_ && renewal_->isDue(now_ns);
   const bool copy_due = isCopyDue(now_ns) || renewal_due;
   if (save_period_ns_ == 0 && errands_.empty() && !keeps_abreast_ && !renewal_due) return;

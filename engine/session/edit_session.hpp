@@ -111,7 +111,7 @@ class EditSession {
 
  private:
   [[nodiscard]] bool isSaveDue(std::int64_t now_ns) const;
-  [[nodiscard]] bool isCopyDue(std::int64_t now_ns) const;
+  [[nodiscard]] bool isCopyDue(std::int64_t now_ns);
   [[nodiscard]] bool isSaved() const;
   [[nodiscard]] std::size_t changedBricks() const noexcept;  // that the copy lacks
   enum class Then { kNothing, kSave, kErrand };              // once no changed brick is left

@@ -52,6 +52,7 @@ void JournalRenewal::makeFile(const EditMark& mark, const Volume& volume, std::i
   try {
     const std::vector<std::uint32_t> bricks = state_.bricks();
     journal_.beginAnew({mark, &volume, bricks});
+    has_begun_ = true;
   } catch (const Error& error) {
     failure = error.what();
     cause = error.reason().substr(std::min(error.reason().rfind('('), error.reason().size()));

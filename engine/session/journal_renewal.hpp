@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "engine/field/volume.hpp"
 #include "engine/journal/journal_writer.hpp"
@@ -25,6 +26,8 @@ class JournalRenewal {
   JournalRenewal(JournalWriter& journal, EditedState& state) noexcept : journal_(journal), state_(state) {}
 
   [[nodiscard]] bool isDue(std::int64_t now_ns) const noexcept;
+  // Whether it has begun anew since this was asked last.
+  [[nodiscard]] bool takeBegun() noexcept { return std::exchange(has_begun_, false); }
   void hurry() noexcept { not_before_ns_ = undo_not_before_ns_ = kAtOnce; }
   // If it is due, when the saver's volume holds every change: what makes the file from that. It throws the first time
   // that it fails for a reason which the journal's failure does not name. One that is not called fails, too. `made`:
@@ -41,7 +44,8 @@ class JournalRenewal {
   EditedState& state_;
   std::int64_t not_before_ns_ = kAtOnce;       // after a failure
   std::int64_t undo_not_before_ns_ = kAtOnce;  // where it has only come behind its beginning
-  std::string told_;                           // why it failed last
+  bool has_begun_ = false;
+  std::string told_;  // why it failed last
 };
 
 }  // namespace palpate

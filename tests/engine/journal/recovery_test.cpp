@@ -210,9 +210,10 @@ TEST_F(Recovery, OfAJournalWhoseBeginningIsDamaged) {
   const Journal journal = readJournal(next.path());
   const Recovered nothing = recoverSession(journal, next.path(), next.path(), volume);
   EXPECT_EQ(contentHash(volume), states_[0]);
-  EXPECT_EQ(nothing.lost_records, 2U);
+  EXPECT_EQ(nothing.lost_records, 12U);  // two, and the ten that are in the bricks
   EXPECT_EQ(nothing.held.edits + nothing.edits.size(), 0U);
   EXPECT_THAT(nothing.loss, HasSubstr("is damaged: 2 records in"));
+  EXPECT_THAT(nothing.loss, HasSubstr("the volume as 10 earlier edits had made it, which are lost as well"));
   writeCheckpoint(checkpointFile(next.path(), 0), {marks_[12], 79, 2}, volumes_[11], bricks_);
   const Recovered found = recoverSession(journal, next.path(), next.path(), volume);
   EXPECT_EQ(contentHash(volume), states_[12]);

@@ -111,6 +111,16 @@ TEST_F(CheckpointKeepers, DoNotWriteAllTheTime) {
   EXPECT_TRUE(keeper_.isDue(20 * at_most_ns.count() + kSecond_ns));
 }
 
+// What a journal begins with is nowhere else, so it is copied before the first edit; once.
+TEST_F(CheckpointKeepers, WriteOneAtOnceWhereTheJournalBeganAnew) {
+  edit(0.1);
+  EXPECT_FALSE(writeIfDue(0));
+  keeper_.journalBeganAnew();
+  EXPECT_TRUE(writeIfDue(0));
+  EXPECT_FALSE(writeIfDue(100 * kSecond_ns));
+  EXPECT_THAT(onDisk(), ElementsAre(1));
+}
+
 // A start goes on where the one before it was: what is made again up to the newer file is in that already.
 TEST_F(CheckpointKeepers, AreNotWrittenAgainForWhatAFileHolds) {
   for (int i = 1; i <= 3; ++i) {

@@ -205,6 +205,40 @@ TEST(JournalRenewal, NothingAcknowledgedIsLost) {
   EXPECT_GE(behind, 4);
 }
 
+// What a journal begins with is in one place. A checkpoint follows at once, and nothing depends on a single bit.
+TEST(JournalRenewal, WhatItBeginsWithIsCopied) {
+  const TemporaryFolder folder;
+  const fs::path place = folder.path() / "journal";
+  Session s;
+  s.session.keepJournal(place, s.header.volume);
+  s.session.keepSaved(s.volume, {}, 0);
+  s.session.keepAbreast();
+  s.session.keepCheckpoints(place, {}, {}, {});
+  auto feed = [&, now_ns = std::int64_t{0}]() mutable {
+    s.session.feedSaver(now_ns += 10 * kSecond_ns);
+    s.session.saver()->wait();
+  };
+  s.session.edit({{dab(0)}}, 0);
+  EXPECT_TRUE(s.session.flushJournal());
+  fs::remove_all(place);
+  EXPECT_FALSE(s.session.flushJournal());
+  feed();
+  ASSERT_TRUE(s.session.flushJournal());
+  std::string bytes = bytesOf(place);
+  bytes[bytes.size() - 40] ^= 1;
+  setBytes(place, bytes);
+  const Journal journal = readJournal(place);
+  const auto recover = [&] {
+    Volume back = sampleVolume();
+    return std::pair(recoverSession(journal, place, place, back), contentHash(back));
+  };
+  EXPECT_EQ(recover().first.lost_records, 2U);  // the record, and the edit in it
+  feed();
+  const auto [found, content] = recover();
+  EXPECT_EQ(found.lost_records, 0U);
+  EXPECT_EQ(content, s.hash());
+}
+
 // A copy of the volume that is incomplete is no beginning: nobody waits for one then.
 TEST(JournalRenewal, WithoutAWholeCopyAnUndoBehindTheBeginningIsAFailure) {
   for (const bool is_closed : {false, true}) {
