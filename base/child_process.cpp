@@ -14,12 +14,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/descriptor.hpp"
+#include "base/end_with_parent.hpp"
 
 namespace palpate {
 namespace {
@@ -83,8 +83,8 @@ Error unpacked(std::string_view text) {
 
 // --- the child ------------------------------------------------------------------------------------------------------
 
-void isolateChild() {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+void isolateChild(pid_t parent) {
+  endWithParent(parent, SIGKILL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGXCPU, SIGALRM, SIGSEGV, SIGABRT, SIGBUS}) {
     std::signal(signal, SIG_DFL);
   }
@@ -172,9 +172,9 @@ bool doPiece(int to, const std::function<std::string(std::size_t)>& work, std::s
 }
 
 // Never returns or throws: an exception that left it would unwind the caller's frames in this second process.
-[[noreturn]] void runChild(int to, std::size_t count, const ChildLimits& limits,
+[[noreturn]] void runChild(pid_t parent, int to, std::size_t count, const ChildLimits& limits,
                            const std::function<std::string(std::size_t)>& work) noexcept {
-  isolateChild();
+  isolateChild(parent);
   limitMemory(limits.memory_bytes);
   try {
     if (const int shortage = descriptorShortage(to); shortage != 0) {
@@ -281,11 +281,11 @@ ChildOutcome runInChild(const std::string& input, std::size_t count, const Child
   std::array<int, 2> ends = {-1, -1};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) refuseProcess(input, errno);
   Descriptor from(ends[0]), to(ends[1]);
-  const pid_t id = fork();
+  const pid_t parent = getpid(), id = fork();
   if (id < 0) refuseProcess(input, errno);
   if (id == 0) {
     from.close();
-    runChild(to.get(), count, limits, work);
+    runChild(parent, to.get(), count, limits, work);
   }
   Child child(id);
   to.close();

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 
 namespace palpate {
@@ -14,6 +15,6 @@ namespace palpate {
 // folder or anything else that is no plain file, and for one of more than `most_bytes`; kIo if reading fails;
 // kOutOfMemory if no descriptor is left.
 [[nodiscard]] std::string wholeFile(const std::filesystem::path& file, const std::string& what,
-                                    std::uint64_t most_bytes);
+                                    std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max());
 
 }  // namespace palpate

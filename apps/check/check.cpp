@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "base/json_text.hpp"
+
 namespace palpate {
 namespace {
 
@@ -180,7 +182,7 @@ std::string checkJson(std::span<const Check> checks, const std::string& name, co
   nlohmann::ordered_json json = {
       {"check", name}, {"commit", commit}, {"holds", allHold(checks)}, {"checks", nlohmann::ordered_json::array()}};
   for (const Check& check : checks) json["checks"].push_back(rowOf(check));
-  return json.dump(2) + "\n";
+  return jsonFileText(json);
 }
 
 bool allHold(std::span<const Check> checks) noexcept {

@@ -28,34 +28,15 @@ void checkOptions(const ConvertRequest& request) {
   if (!mesh && request.adaptivity) refuse("--adaptivity", "a volume has none", "leave it out, or write a mesh");
   if (request.adaptivity && !(*request.adaptivity >= 0 && *request.adaptivity <= 1)) {
     refuse("--adaptivity", fmt::format("{:g} is not in [0, 1]", *request.adaptivity),
-           "0 keeps every cell, 1 joins most");
+           "0 follows the surface most closely, 1 joins most triangles");
   }
-}
-
-// What `palpate convert --exact` promises.
-void checkExact(const Volume& volume, const ConvertRequest& request) {
-  const VolumeFacts& facts = volume.facts();
-  if (facts.rounded.count > 0) {
-    refuse(request.in, facts.rounded.words(), "leave --exact out if rounded ones will do, or keep the file as it is");
-  }
-  if (facts.replaced > 0) {
-    refuse(request.in, fmt::format("{} of its voxels have no density in the file, and were given one", facts.replaced),
-           "leave --exact out, or replace them in the file");
-  }
-  if (facts.resampled) {
-    refuse(request.in, "its slices are tilted, and were resampled upright",
-           "leave --exact out, or keep the slices as they are");
-  }
-  const Rounding written = roundedByWriting(volume, request.out, request.unit);
-  if (written.count > 0) refuse(request.out, written.words(), "give --unit m, which keeps them, or leave --exact out");
 }
 
 // A mesh keeps no densities.
-void tellRounding(const Volume& volume, const ConvertRequest& request) {
-  if (isMeshFileName(request.out)) return;
-  const Rounding& read = volume.facts().rounded;
+void tellWhatChanges(const Volume& volume, const ConvertRequest& request) {
+  if (isMeshFileName(request.out)) return tellRemark(volume);
+  tellRemark(volume, TellRounding::kAlways);
   const Rounding written = roundedByWriting(volume, request.out, request.unit);
-  if (read.count > 0) tellUser(request.in + ": " + read.words());
   if (written.count > 0) tellUser(request.out + ": " + written.words());
 }
 
@@ -100,6 +81,29 @@ struct Output {
 
 }  // namespace
 
+void checkExact(const Volume& volume, const ConvertRequest& request) {
+  const VolumeFacts& facts = volume.facts();
+  if (facts.rounded.count > 0) {
+    refuse(request.in, facts.rounded.words(), "leave --exact out if rounded ones will do, or keep the file as it is");
+  }
+  if (facts.replaced > 0) {
+    refuse(request.in, fmt::format("{} of its voxels have no density in the file, and were given one", facts.replaced),
+           "leave --exact out, or replace them in the file");
+  }
+  if (facts.clamped > 0) {
+    refuse(request.in,
+           fmt::format("{} of its pixels, packed with losses, lay beyond BitsStored and were held within it",
+                       facts.clamped),
+           "leave --exact out, or unpack the series in another program");
+  }
+  if (facts.resampled) {
+    refuse(request.in, "its slices are tilted, and were resampled upright",
+           "leave --exact out, or keep the slices as they are");
+  }
+  const Rounding written = roundedByWriting(volume, request.out, request.unit);
+  if (written.count > 0) refuse(request.out, written.words(), "give --unit m, which keeps them, or leave --exact out");
+}
+
 void checkOutput(const ConvertRequest& request) {
   checkOptions(request);
   checkNotInput(request.in, request.out);
@@ -123,8 +127,8 @@ ConvertResult convert(const ConvertRequest& request, Progress& progress) {
   progress.stage("loading " + request.in);
   const Volume volume = loadVolume(request.in);
   progress.done();
-  request.exact ? checkExact(volume, request) : tellRounding(volume, request);
-  tellRemark(volume);
+  if (request.exact) checkExact(volume, request);  // a refusal has the same words
+  tellWhatChanges(volume, request);
   throwIfInterrupted("palpate convert");
   ConvertResult result = writeOutput(volume, request, "palpate convert", file, progress);
   file.commit();

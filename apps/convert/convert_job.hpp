@@ -40,9 +40,13 @@ struct ConvertResult {
 // Throws Error: kBadInput for an unknown suffix, an option that the format does not take, an adaptivity outside [0, 1],
 // an isovalue that gives no surface, and an output that is the input or an existing file in the input's folder; kIo for
 // a folder without write permission and for a full disk; and as loadVolume and writeVolume do. With `exact` also
-// kBadInput for a number that was rounded (Rounding), replaced or resampled when it was read, and for one that would be
-// rounded when it is written. Then a file that was at `out` is unchanged.
+// kBadInput for a number that was rounded (Rounding), replaced, clamped or resampled when it was read, and for one that
+// would be rounded when it is written. Then a file that was at `out` is unchanged.
 [[nodiscard]] ConvertResult convert(const ConvertRequest& request, Progress& progress);
+
+// What `exact` promises of a volume that has been loaded. Throws Error(kBadInput) as convert() does. Cost: see
+// roundedByWriting().
+void checkExact(const Volume& volume, const ConvertRequest& request);
 
 // Parts of convert(), for verbs that write a volume of their own. checkOutput() refuses (Error kBadInput) an output
 // that is the input (checkNotInput), and the suffixes and options that convert() refuses. writeOutput() leaves

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/devices/device_table.hpp"
+#include "base/json_text.hpp"
 #include "servo/devices/force_off.hpp"
 
 namespace palpate {
@@ -76,7 +77,7 @@ std::string diagnosisJson(const Diagnosis& diagnosis) {
                                 {"text", finding.text},
                                 {"remedy", finding.remedy}});
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonFileText(json);
 }
 
 }  // namespace palpate

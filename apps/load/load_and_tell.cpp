@@ -13,9 +13,14 @@ Volume loadAndTell(const std::string& name, Progress& progress) {
   return volume;
 }
 
-void tellRemark(const Volume& volume) {
+void tellRemark(const Volume& volume, TellRounding rounding) {
   const VolumeFacts& facts = volume.facts();
   if (!facts.remark.empty()) tellUser(facts.source + ": " + facts.remark);
+  constexpr double kFelt = 1e-4;  // of the range of densities: six steps of a scan of 16 bits
+  const double range = static_cast<double>(volume.maximum()) - volume.minimum();
+  const bool is_felt = facts.rounded.most > kFelt * range;
+  if (facts.rounded.count > 0 && (is_felt || rounding == TellRounding::kAlways))
+    tellUser(facts.source + ": " + facts.rounded.words());
 }
 
 }  // namespace palpate

@@ -19,6 +19,7 @@
 #include "apps/load/load_and_tell.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/json_text.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
 #include "verbs.hpp"
@@ -79,7 +80,7 @@ void writeJson(const CheckArguments& arguments, const Check& check) {
                                        {"holds", check.holds()},
                                        {"gpu_s", check.gpu_seconds},
                                        {"cpu_s", check.cpu_seconds}};
-  writeFileAtomically(arguments.json, json.dump(2) + "\n");
+  writeFileAtomically(arguments.json, jsonFileText(json));
 }
 
 void checkGradientVerb(const CheckArguments& arguments) {

@@ -15,6 +15,7 @@
 #include "apps/serve/served_status.hpp"
 #include "apps/serve/service_client.hpp"
 #include "base/error.hpp"
+#include "base/json_text.hpp"
 #include "service/channel/usual_socket.hpp"
 #include "verbs.hpp"
 
@@ -122,7 +123,7 @@ void addCtlVerb(CLI::App& app) {
   CLI::App* const status = ctl->add_subcommand("status", "print how the service is, as JSON");
   status->fallthrough();
   status->callback(
-      [arguments] { printText(statusOf(ServiceClient(arguments->socket).ask(wire::Verb::Status)).dump(2) + "\n"); });
+      [arguments] { printText(jsonFileText(statusOf(ServiceClient(arguments->socket).ask(wire::Verb::Status)))); });
   CLI::App* const metrics =
       ctl->add_subcommand("metrics", "print the same as Prometheus' text, for its textfile collector");
   metrics->fallthrough();

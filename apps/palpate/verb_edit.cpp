@@ -8,6 +8,7 @@
 #include "apps/mesh/mesh_writer.hpp"
 #include "base/byte_size.hpp"
 #include "base/error.hpp"
+#include "base/json_text.hpp"
 #include "engine/edit/edit_keys.hpp"
 #include "engine/files/volume_file.hpp"
 #include "verbs.hpp"
@@ -40,7 +41,7 @@ void edit(EditArguments& arguments) {
     tellUser(message);
   });
   if (!arguments.request.json.empty())
-    writeFileAtomically(arguments.request.json, editJson(request, result).dump(2) + "\n");
+    writeFileAtomically(arguments.request.json, jsonFileText(editJson(request, result)));
   printText(editWords(request, result));
   // The volume was written, and the failure reported. But the user relies on the journal, so the exit status tells too.
   if (result.journal_saved < result.journal_records) throw CLI::RuntimeError(exitStatus(Error::Code::kIo));

@@ -13,6 +13,7 @@
 #include "apps/load/stair_words.hpp"
 #include "base/atomic_file.hpp"
 #include "base/byte_size.hpp"
+#include "base/json_text.hpp"
 #include "base/units.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/files/volume_file.hpp"
@@ -139,6 +140,7 @@ Json infoJson(const Volume& volume, const VolumeStatistics& statistics) {
                {"note", facts.remark},
                {"rounded", {{"count", facts.rounded.count}, {"most", facts.rounded.most}, {"of", facts.rounded.of}}},
                {"replaced", facts.replaced},
+               {"clamped", facts.clamped},
                {"resampled", facts.resampled},
                {"minimum", statistics.minimum},
                {"maximum", statistics.maximum},
@@ -169,7 +171,7 @@ void sayWhatItIs(const InfoArguments& arguments) {
   printStairs(volume, statistics);
   printStatistics(statistics);
   if (!file) return;
-  file->write(infoJson(volume, statistics).dump(2) + "\n");
+  file->write(jsonFileText(infoJson(volume, statistics)));
   file->commit();
 }
 

@@ -6,6 +6,7 @@
 #include "apps/console/message.hpp"
 #include "apps/render/render_options.hpp"
 #include "apps/render/render_words.hpp"
+#include "base/json_text.hpp"
 #include "verbs.hpp"
 #include "volume_options.hpp"
 
@@ -63,7 +64,7 @@ void addRenderVerb(CLI::App& app) {
     setRenderOptions(arguments->given, asked);
     Progress progress;
     const RenderResult result = render(asked, progress);
-    if (!asked.json.empty()) writeFileAtomically(asked.json, renderJson(asked, result).dump(2) + "\n");
+    if (!asked.json.empty()) writeFileAtomically(asked.json, jsonFileText(renderJson(asked, result)));
     printText(renderWords(asked, result));
   });
 }

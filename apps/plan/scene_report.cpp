@@ -11,6 +11,7 @@
 
 #include "apps/plan/purposes.hpp"
 #include "base/byte_size.hpp"
+#include "base/json_text.hpp"
 
 namespace palpate {
 namespace {
@@ -263,12 +264,12 @@ std::string reportJson(const SceneReport& report) {
   json["counted"] = is_counted ? useJson(report.counted->counts.gpu) : Json(nullptr);
   json["not_counted"] = is_counted ? Json(nullptr) : Json(report.not_counted);
   json["features"] = Json::array();
-  if (!is_counted) return json.dump(2) + "\n";
+  if (!is_counted) return jsonFileText(json);
   json["counted"]["threads"] = report.counted->counts.threads;
   json["counted"]["libraries"] = report.counted->counts.libraries;
   json["counted"]["effect_runs"] = report.counted->counts.effect_runs;
   for (const FeatureCost& cost : report.counted->costs) json["features"].push_back(featureJson(cost));
-  return json.dump(2) + "\n";
+  return jsonFileText(json);
 }
 
 }  // namespace palpate

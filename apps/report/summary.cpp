@@ -11,6 +11,7 @@
 #include "apps/scene/object_table.hpp"
 #include "apps/scene/option_table.hpp"
 #include "base/atomic_file.hpp"
+#include "base/json_text.hpp"
 #include "servo/loop/run_figures.hpp"
 
 namespace palpate {
@@ -250,7 +251,7 @@ Json makeSummary(const TouchRun& run) {
 
 void writeSummary(const std::filesystem::path& file, const TouchRun& run) {
   // Names of files and drivers need not be valid UTF-8; JSON must be.
-  writeFileAtomically(file, makeSummary(run).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  writeFileAtomically(file, jsonFileText(makeSummary(run)));
 }
 
 }  // namespace palpate

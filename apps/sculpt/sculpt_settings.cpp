@@ -11,6 +11,7 @@
 
 #include "apps/sculpt/gestures.hpp"
 #include "base/atomic_file.hpp"
+#include "base/json_text.hpp"
 #include "base/units.hpp"
 
 namespace palpate {
@@ -86,7 +87,7 @@ void writeSettings(const SculptSettings& settings, const std::filesystem::path& 
                      {"strength", settings.brush.strength},
                      {"depth_mm", settings.reach.depth_m * kMillimetresPerMetre},
                      {"recent", settings.recent}};
-  writeFileAtomically(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  writeFileAtomically(file, jsonFileText(json));
 }
 
 }  // namespace palpate

@@ -11,13 +11,13 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/close_from.hpp"
 #include "base/descriptor.hpp"
+#include "base/end_with_parent.hpp"
 #include "base/error.hpp"
 
 namespace palpate {
@@ -77,8 +77,7 @@ void resetSignals() noexcept {
 // In the child, where other threads' locks may be held for ever: only system calls that a signal handler may make.
 [[noreturn]] void becomeProgram(const ChildPlan& plan) noexcept {
   setpgid(0, 0);
-  prctl(PR_SET_PDEATHSIG, SIGTERM);
-  if (getppid() != plan.parent) _exit(kNotStarted);  // it died before the line above
+  endWithParent(plan.parent, SIGTERM);
   resetSignals();
   sigset_t none;
   sigemptyset(&none);

@@ -14,6 +14,7 @@
 #include "apps/tune/quantity.hpp"
 #include "apps/tune/reasons.hpp"
 #include "base/byte_size.hpp"
+#include "base/json_text.hpp"
 
 namespace palpate {
 namespace {
@@ -175,7 +176,7 @@ std::string tuneJson(const TuneRequest& request, const TuneResult& result) {
     json["trials"].push_back(trialJson(result.found.trials[i]));
     json["trials"].back()["front"] = static_cast<bool>(front[i]);
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return jsonFileText(json);
 }
 
 }  // namespace palpate

@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/field/isosurface_mesh.hpp"
 
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+#include "base/error.hpp"
 #include "engine/field/border_facets.hpp"
 #include "engine/field/join_triangles.hpp"
 #include "engine/field/loop_facets.hpp"
+#include "engine/field/memory_budget.hpp"
 #include "engine/field/shared_vertices.hpp"
 #include "engine/field/surface_cells.hpp"
 
@@ -24,17 +30,30 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr Closeness kClose{0.02, {0.003, 0.002}};
 constexpr Closeness kCoarse{kNever, {kNever, kNever}};
 
+void checkMeshMemory(const Volume& volume, float isovalue, std::size_t cells, std::size_t memory_bytes) {
+  constexpr std::size_t kMostCells = std::numeric_limits<std::uint32_t>::max() / 8;  // of 6 vertices at most, or so
+  const std::size_t budget = memory_bytes != 0 ? memory_bytes : availableMemoryBytes();
+  const double needed = kMeshBytesPerCell * static_cast<double>(cells);
+  if (cells <= kMostCells && needed <= static_cast<double>(budget)) return;
+  throw Error(
+      Error::Code::kOutOfMemory, volume.facts().source,
+      fmt::format("its isosurface at {:g} passes through {} cells of eight voxels; a mesh of that needs {}, and "
+                  "{} are free",
+                  isovalue, cells, inMiB(static_cast<std::uint64_t>(needed)), inMiB(budget)),
+      "smooth, crop or resample the volume, or choose another isovalue");
+}
+
 // Vertices are in index space until take().
 class Mesher {
  public:
-  Mesher(const Volume& volume, float isovalue, const Closeness& closeness)
+  Mesher(const Volume& volume, const SurfaceCells& cells, float isovalue, const Closeness& closeness)
       : lattice_(volume.lattice()),
         size_(volume.size()),
         isovalue_(isovalue),
         closeness_(closeness),
-        cells_(volume, isovalue),
-        vertices_(cells_, size_, isovalue, closeness.bend, mesh_.vertices_W) {
-    for (const SurfaceCell& cell : cells_.all()) {
+        per_spacing2_((lattice_.spacing_m / lattice_.spacing_m.minCoeff()).cwiseAbs2().cwiseInverse()),
+        vertices_(cells, size_, isovalue, closeness.bend, mesh_.vertices_W) {
+    for (const SurfaceCell& cell : cells.all()) {
       const bool in_domain = vertices_.holds(cell.at) && vertices_.holds(cell.at + Vec3i::Ones());
       if (in_domain) {
         addLoops(cell);
@@ -64,7 +83,7 @@ class Mesher {
         const std::uint32_t bend = vertices_.onLine(cell, step.face, step.line);
         if (bend != kNoVertex) ring_.push_back({bend, kOnLine});
       }
-      addLoopFacets(field, cell.inside, cell.at.cast<double>(), ring_, closeness_.gains, mesh_);
+      addLoopFacets({field, cell.inside, cell.at.cast<double>(), per_spacing2_}, ring_, closeness_.gains, mesh_);
     }
   }
 
@@ -72,7 +91,7 @@ class Mesher {
   Vec3i size_;
   float isovalue_;
   Closeness closeness_;
-  SurfaceCells cells_;
+  Vec3 per_spacing2_;
   TriangleMesh mesh_;
   SharedVertices vertices_;
   std::vector<RingVertex> ring_;  // of the loop at hand
@@ -80,10 +99,12 @@ class Mesher {
 
 }  // namespace
 
-TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity) {
+TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity, std::size_t memory_bytes) {
   const auto level = static_cast<float>(isovalue);
   if (!(volume.maximum() > level) || volume.size().minCoeff() < 2) return {};
-  TriangleMesh mesh = Mesher(volume, level, adaptivity > 0 ? kCoarse : kClose).take();
+  const SurfaceCells cells(volume, level);
+  checkMeshMemory(volume, level, cells.all().size(), memory_bytes);
+  TriangleMesh mesh = Mesher(volume, cells, level, adaptivity > 0 ? kCoarse : kClose).take();
   if (adaptivity > 0) joinFlatTriangles(mesh, adaptivity, 8 * volume.lattice().spacing_m.maxCoeff());
   return mesh;
 }

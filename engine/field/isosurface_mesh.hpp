@@ -18,22 +18,30 @@
 // - Triangles within a cell have no edge on its faces but the lines there. So two cells never make the same edge, each
 //   edge belongs to two triangles, and there is one ring of triangles around each vertex.
 //
-// Normals point out of the object. A few facets in cells that noise bends several ways (0.2 % of a chest scan's, and
-// 0.1 % of its surface) turn by more than a right angle from the field's slope at their middle.
+// Normals point out of the object. A few facets in cells that noise bends several ways turn by more than a right angle
+// from the field's slope at their middle (docs/convert.md counts them).
 //
 // Frame: world [m]. Any thread, while nobody changes the volume. Cost: a look at each brick, and for each cell that the
-// surface crosses some 3 us and 350 bytes.
+// surface crosses some 3 us and kMeshBytesPerCell.
 #pragma once
+
+#include <cstddef>
 
 #include "base/triangle_mesh.hpp"
 #include "engine/field/volume.hpp"
 
 namespace palpate {
 
+// Of memory, at most: the cell, its place in a table, its shared vertices, and its part of the mesh.
+inline constexpr double kMeshBytesPerCell = 350;
+
 // The mesh has no triangles if the isovalue is outside the volume's values, or if the volume is one voxel thick and so
 // encloses nothing. `adaptivity`, in [0, 1]: 0 follows the surface as above. Above 0, there are no vertices on faces,
 // and within a cell only where a loop cannot be filled without; then vertices are left out where the surface is nearly
-// flat (join_triangles.hpp); 1 leaves out most. The mesh stays closed; the remaining vertices do not move.
-[[nodiscard]] TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity = 0);
+// flat (join_triangles.hpp); 1 leaves out most. The mesh stays closed; the remaining vertices do not move. Throws
+// Error(kOutOfMemory), as soon as the cells are known, if the mesh would not fit into `memory_bytes` (0:
+// availableMemoryBytes()), or has more vertices than 32 bits can number.
+[[nodiscard]] TriangleMesh isosurfaceMesh(const Volume& volume, double isovalue, double adaptivity = 0,
+                                          std::size_t memory_bytes = 0);
 
 }  // namespace palpate

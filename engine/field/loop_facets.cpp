@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "engine/field/cell_loops.hpp"
 #include "engine/field/shared_vertices.hpp"
@@ -13,9 +14,8 @@ namespace {
 
 class LoopFacets {
  public:
-  LoopFacets(const TrilinearCell& field, std::uint8_t inside, const Vec3& origin_I, const std::vector<RingVertex>& ring,
-             const FacetGains& gains, TriangleMesh& mesh_I)
-      : field_(field), inside_(inside), origin_I_(origin_I), ring_(ring), gains_(gains), mesh_(mesh_I) {
+  LoopFacets(const FacetCell& cell, const std::vector<RingVertex>& ring, const FacetGains& gains, TriangleMesh& mesh_I)
+      : cell_(cell), field_(cell.field), ring_(ring), gains_(gains), mesh_(mesh_I) {
     for (const RingVertex& v : ring) mean_ += placeOf(v.vertex) / static_cast<double>(ring.size());
     for (std::size_t n = 0; n < ring.size(); ++n) area_ += (at(n) - mean_).cross(at(n + 1) - mean_) / 2;
   }
@@ -25,18 +25,23 @@ class LoopFacets {
   }
 
  private:
-  [[nodiscard]] Vec3 placeOf(std::uint32_t vertex) const { return mesh_.vertices_W[vertex] - origin_I_; }
+  [[nodiscard]] Vec3 placeOf(std::uint32_t vertex) const { return mesh_.vertices_W[vertex] - cell_.origin_I; }
   [[nodiscard]] std::uint32_t vertexAt(std::size_t n) const { return ring_[n % ring_.size()].vertex; }
   [[nodiscard]] Vec3 at(std::size_t n) const { return placeOf(vertexAt(n)); }
   std::uint32_t addVertex(const Vec3& place) {
-    mesh_.vertices_W.push_back(origin_I_ + place);
+    mesh_.vertices_W.push_back(cell_.origin_I + place);
     return static_cast<std::uint32_t>(mesh_.vertices_W.size() - 1);
   }
   void addTriangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) { mesh_.triangles.push_back({a, b, c}); }
 
-  // Whether a triangle faces down the field's slope at its middle.
+  // Whether a triangle faces down the field's slope at its middle, as the world has it: there both its normal and the
+  // slope are those of index space over the spacing, axis by axis.
   [[nodiscard]] bool facesOut(const Vec3& a, const Vec3& b, const Vec3& c) const {
-    return (b - a).cross(c - a).dot(field_.gradient((a + b + c) / 3)) < 0;
+    return (b - a).cross(c - a).cwiseProduct(cell_.per_spacing2).dot(field_.gradient((a + b + c) / 3)) < 0;
+  }
+  // The same, of a part of the triangle with the normal `was`, which it must not turn over.
+  [[nodiscard]] bool mayReplace(const Vec3& was, const Vec3& a, const Vec3& b, const Vec3& c) const {
+    return (b - a).cross(c - a).dot(was) > 0 && facesOut(a, b, c);
   }
   // How far the surface is, by the field's slope.
   [[nodiscard]] double roughDistance(const Vec3& p) const {
@@ -87,7 +92,7 @@ class LoopFacets {
     for (const RingVertex& v : ring_) {
       if (v.edge == kOnLine) continue;
       const EdgeEnds ends = edgeEnds(v.edge);
-      const bool first_is_inside = (inside_ >> ends.first & 1) != 0;
+      const bool first_is_inside = (cell_.inside >> ends.first & 1) != 0;
       const int corner = first_is_inside == is_inside ? ends.last : ends.first;
       const Vec3 way = cornerPlace(corner).cast<double>() - mean_;
       const auto found = field_.surfaceFrom(mean_, is_inside ? way : Vec3(-way));
@@ -98,53 +103,71 @@ class LoopFacets {
     return nearest;
   }
 
-  // The vertex on the edge from the centre to vertex n of the ring; kNoVertex: it needs none.
-  std::uint32_t addMiddle(const Vec3& centre, std::size_t n) {
+  // The vertex on the edge from the centre to vertex n of the ring. Empty: it needs none.
+  [[nodiscard]] std::optional<Vec3> middleTo(const Vec3& centre, std::size_t n) const {
     constexpr double kLeastNormal = 0.2;  // of two unit normals' sum: the edge is too sharp for a mean normal
     const Vec3 before = at(n + ring_.size() - 1), end = at(n), after = at(n + 1);
     const Vec3 first = (before - centre).cross(end - centre), second = (end - centre).cross(after - centre);
     const double gain_per_height = (first.norm() + second.norm()) / 6;
     const Vec3 middle = (centre + end) / 2;
     // The slope changes little over the way to the surface where that way is short: half the gain is far from it.
-    if (gain_per_height * roughDistance(middle) < gains_.middle / 2) return kNoVertex;
+    if (gain_per_height * roughDistance(middle) < gains_.middle / 2) return std::nullopt;
     const Vec3 outward = first.normalized() + second.normalized();
-    if (outward.norm() < kLeastNormal) return kNoVertex;
+    if (outward.norm() < kLeastNormal) return std::nullopt;
     const auto found = field_.surfaceFrom(middle, outward.normalized());
-    if (!found) return kNoVertex;
+    if (!found) return std::nullopt;
     const Vec3& m = *found;
     const double height = (m - middle).norm();
-    if (height > (end - centre).norm() / 2 || height * gain_per_height < gains_.middle) return kNoVertex;
-    if ((m.array() < kLeastShare).any() || (m.array() > 1 - kLeastShare).any()) return kNoVertex;
-    const auto mayBe = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& was) {
-      return (b - a).cross(c - a).dot(was) > 0 && facesOut(a, b, c);
-    };
-    if (!mayBe(centre, before, m, first) || !mayBe(before, end, m, first) || !mayBe(centre, m, after, second) ||
-        !mayBe(m, end, after, second))
-      return kNoVertex;
-    return addVertex(m);
+    if (height > (end - centre).norm() / 2 || height * gain_per_height < gains_.middle) return std::nullopt;
+    if ((m.array() < kLeastShare).any() || (m.array() > 1 - kLeastShare).any()) return std::nullopt;
+    const bool may_be = mayReplace(first, centre, before, m) && mayReplace(first, before, end, m) &&
+                        mayReplace(second, centre, m, after) && mayReplace(second, m, end, after);
+    return may_be ? found : std::nullopt;
+  }
+
+  // Between the vertices on the edges to vertices n and n + 1 of the ring and these, the diagonal that begins at the
+  // former. Empty: neither it nor the other one leaves all triangles facing out.
+  [[nodiscard]] std::optional<bool> diagonalFromFirst(const Vec3& centre, std::size_t n, const Vec3& from_middle,
+                                                      const Vec3& to_middle) const {
+    const Vec3 from = at(n), to = at(n + 1), was = (from - centre).cross(to - centre);
+    if (!mayReplace(was, centre, from_middle, to_middle)) return std::nullopt;
+    const bool first = mayReplace(was, from_middle, from, to) && mayReplace(was, from_middle, to, to_middle);
+    const bool second = mayReplace(was, from_middle, from, to_middle) && mayReplace(was, from, to, to_middle);
+    if (!first && !second) return std::nullopt;
+    if (first != second) return first;
+    return (from_middle - to).squaredNorm() < (to_middle - from).squaredNorm();
   }
 
   void addAroundCentre() {
     const Vec3 place = centre().cwiseMax(kLeastShare).cwiseMin(1 - kLeastShare);
-    const std::uint32_t centre_vertex = addVertex(place);
-    const std::uint32_t first_middle = addMiddle(place, 0);
-    std::uint32_t from_middle = first_middle;
-    for (std::size_t n = 0; n < ring_.size(); ++n) {
-      const std::uint32_t to_middle = n + 1 < ring_.size() ? addMiddle(place, n + 1) : first_middle;
-      addSector(centre_vertex, vertexAt(n), vertexAt(n + 1), from_middle, to_middle);
-      from_middle = to_middle;
+    const std::size_t sides = ring_.size();
+    std::vector<std::optional<Vec3>> middles(sides);
+    for (std::size_t n = 0; n < sides; ++n) middles[n] = middleTo(place, n);
+    std::vector<bool> from_first(sides);
+    for (std::size_t n = 0; n < sides; ++n) {
+      std::optional<Vec3>& next = middles[(n + 1) % sides];
+      if (!middles[n] || !next) continue;
+      const std::optional<bool> diagonal = diagonalFromFirst(place, n, *middles[n], *next);
+      from_first[n] = diagonal.value_or(false);
+      if (!diagonal) next.reset();  // alone, the other one has been looked at
     }
+    const std::uint32_t centre_vertex = addVertex(place);
+    std::vector<std::uint32_t> middle_vertices(sides, kNoVertex);
+    for (std::size_t n = 0; n < sides; ++n)
+      if (middles[n]) middle_vertices[n] = addVertex(*middles[n]);
+    for (std::size_t n = 0; n < sides; ++n)
+      addSector(centre_vertex, n, middle_vertices[n], middle_vertices[(n + 1) % sides], from_first[n]);
   }
 
   // The triangle from the centre to a side of the ring, with vertices on its edges at the centre or without.
-  void addSector(std::uint32_t centre, std::uint32_t from, std::uint32_t to, std::uint32_t from_middle,
-                 std::uint32_t to_middle) {
+  void addSector(std::uint32_t centre, std::size_t side, std::uint32_t from_middle, std::uint32_t to_middle,
+                 bool diagonal_from_first) {
+    const std::uint32_t from = vertexAt(side), to = vertexAt(side + 1);
     const bool has_from = from_middle != kNoVertex, has_to = to_middle != kNoVertex;
     addTriangle(centre, has_from ? from_middle : from, has_to ? to_middle : to);
     if (has_from && has_to) {
-      const bool shorter = (placeOf(from_middle) - placeOf(to)).norm() < (placeOf(to_middle) - placeOf(from)).norm();
-      addTriangle(from_middle, from, shorter ? to : to_middle);
-      addTriangle(shorter ? from_middle : from, to, to_middle);
+      addTriangle(from_middle, from, diagonal_from_first ? to : to_middle);
+      addTriangle(diagonal_from_first ? from_middle : from, to, to_middle);
     } else if (has_from) {
       addTriangle(from_middle, from, to);
     } else if (has_to) {
@@ -152,9 +175,8 @@ class LoopFacets {
     }
   }
 
+  const FacetCell& cell_;
   const TrilinearCell& field_;
-  std::uint8_t inside_;
-  const Vec3& origin_I_;
   const std::vector<RingVertex>& ring_;
   const FacetGains& gains_;
   TriangleMesh& mesh_;
@@ -164,9 +186,9 @@ class LoopFacets {
 
 }  // namespace
 
-void addLoopFacets(const TrilinearCell& field, std::uint8_t inside, const Vec3& origin_I,
-                   const std::vector<RingVertex>& ring, const FacetGains& gains, TriangleMesh& mesh_I) {
-  LoopFacets(field, inside, origin_I, ring, gains, mesh_I).add();
+void addLoopFacets(const FacetCell& cell, const std::vector<RingVertex>& ring, const FacetGains& gains,
+                   TriangleMesh& mesh_I) {
+  LoopFacets(cell, ring, gains, mesh_I).add();
 }
 
 }  // namespace palpate

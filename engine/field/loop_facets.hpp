@@ -10,7 +10,7 @@
 // normal to the surface. Where it meets none in the cell (that of a tunnel, say), it goes towards a corner of a crossed
 // edge. A triangle leads from the centre to each side of the ring. An edge from the centre to the ring whose middle is
 // far from the surface gets a vertex. This moves from the middle onto the surface along the mean normal of the edge's
-// two triangles. It is left out if a triangle would then face against the field's slope.
+// two triangles. It is left out if a triangle would then face against the field's slope, seen in the world.
 //
 // So triangles end at the cells' faces, as the smooth pieces of the trilinear surface do.
 //
@@ -37,9 +37,17 @@ struct RingVertex {
 };
 inline constexpr int kOnLine = -1;
 
+// A cell that the surface crosses.
+struct FacetCell {
+  const TrilinearCell& field;
+  std::uint8_t inside = 0;           // a bit for each corner above the isovalue
+  Vec3 origin_I = Vec3::Zero();      // its first corner
+  Vec3 per_spacing2 = Vec3::Ones();  // 1 / spacing^2 of each axis, up to a common factor
+};
+
 // Appends the loop's triangles and the vertices that only they have. `ring`: counter-clockwise, seen from outside of
-// the object. `origin_I`: the cell's first corner; `inside`: a bit for each corner above the isovalue.
-void addLoopFacets(const TrilinearCell& field, std::uint8_t inside, const Vec3& origin_I,
-                   const std::vector<RingVertex>& ring, const FacetGains& gains, TriangleMesh& mesh_I);
+// the object.
+void addLoopFacets(const FacetCell& cell, const std::vector<RingVertex>& ring, const FacetGains& gains,
+                   TriangleMesh& mesh_I);
 
 }  // namespace palpate

@@ -125,10 +125,14 @@ class Conversion {
       for (std::size_t n = 0; n < kBrickSize; n += 4) rounded.addFour<T>(raw_ + (first + n) * sizeof(T), kept + n);
       return;
     }
-    using Wide = std::conditional_t<kIsLong, long double, double>;
     for (int n = 0; n < many; ++n) {
-      const auto exact = static_cast<Wide>(stored(first + static_cast<std::size_t>(n)));
-      others.add(exact * Wide{slope_} + Wide{intercept_}, kept[n]);
+      const T number = stored(first + static_cast<std::size_t>(n));
+      const auto exact = static_cast<long double>(number);
+      if (!kIsLong || static_cast<long double>(static_cast<double>(number)) == exact) {
+        others.add(static_cast<double>(number) * slope_ + intercept_, kept[n]);
+      } else {
+        others.add(exact * slope_ + intercept_, kept[n]);
+      }
     }
   }
 

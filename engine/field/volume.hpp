@@ -23,8 +23,8 @@ inline constexpr int kBrickSize = 8;                                       // vo
 inline constexpr int kBrickVoxels = kBrickSize * kBrickSize * kBrickSize;  // 512
 
 // The numbers of a file that no 32-bit float holds, so that the densities are others. A number that is scaled (slope
-// and intercept, a level set's unit) counts with what scaling it in double gives; a 64-bit integer in long double,
-// since a double does not hold every one.
+// and intercept, a level set's unit) counts with what scaling it in double gives; an integer that no double holds, in
+// long double.
 struct Rounding {
   std::uint64_t count = 0;  // voxels, or before a resampling pixels
   double most = 0;          // the largest change [density]
@@ -49,6 +49,7 @@ struct VolumeFacts {
   std::optional<float> instead_of_nan;  // used while reading: the density that replaces invalid values; empty: refuse
   Rounding rounded;                     // of the file's numbers, when they became densities
   std::uint64_t replaced = 0;           // voxels that have no density in the file (NaN, padding), and one here
+  std::uint64_t clamped = 0;            // pixels that a lossy coding put beyond the bits which the file says it stores
   bool resampled = false;               // densities lie between those of the file (tilted slices made upright)
   std::string remark;                   // what a user should know: what was replaced or chosen; empty: nothing
 };

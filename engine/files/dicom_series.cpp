@@ -152,6 +152,7 @@ Volume readDicom(const ReadRequest& wanted) {
   facts.rounded = rounded.of(facts.value_type, scaled);
   std::vector<float>& values = pixels.densities;
   tellScaleInPart(rules[0], facts);
+  facts.clamped = pixels.clamped;
   if (pixels.clamped > 0)
     addRemark(facts, fmt::format("{} of {} pixels, packed with losses, lay beyond BitsStored and were held within it",
                                  pixels.clamped, values.size()));

@@ -86,7 +86,7 @@ Heads headsIn(const fs::path& folder) {
 // Empty: it cannot be read, or not into memory.
 std::string bytesOf(const fs::path& file) {
   try {
-    return wholeFile(file, "the checkpoint", std::numeric_limits<std::uint64_t>::max() - 1);
+    return wholeFile(file, "the checkpoint");
   } catch (const std::exception&) {
     return {};
   }
@@ -94,12 +94,7 @@ std::string bytesOf(const fs::path& file) {
 
 bool isReached(const EditMark& mark, const EditMark& start, std::span<const LastingEdit> edits) {
   if (mark.edits < start.edits || mark.edits - start.edits > edits.size()) return false;
-  EditTrail trail(start);
-  for (const LastingEdit& edit : edits.first(mark.edits - start.edits)) {
-    trail.edit(edit.commands, false);
-    trail.forgetAllBut(0);
-  }
-  return trail.mark() == mark;
+  return trailAfter(start, edits.first(mark.edits - start.edits)).mark() == mark;
 }
 
 // Puts the file into the volume if it is whole, fits, and is what its head said. Returns the bricks.

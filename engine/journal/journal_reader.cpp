@@ -2,17 +2,13 @@
 #include "engine/journal/journal_reader.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <utility>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "base/crc32c.hpp"
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "engine/journal/byte_stream.hpp"
 
 namespace palpate {
@@ -212,35 +208,6 @@ class Reading {
   RecordOrder order_;
 };
 
-// Uses system calls: a C++ stream just ends when reading fails, or throws an exception that says nothing of the file.
-// Nobody is waited for, as the reader of a pipe would wait.
-std::string contentsOf(const std::filesystem::path& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  if (descriptor < 0) {
-    throw Error(Error::Code::kIo, file.string(), fmt::format("it cannot be opened ({})", std::strerror(errno)),
-                "check its permissions");
-  }
-  struct stat facts {};
-  if (fstat(descriptor, &facts) != 0 || (!S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode))) {
-    close(descriptor);
-    throw Error(Error::Code::kBadInput, file.string(), "it is no plain file, so it is no journal",
-                "move it away, and name the folder that --journal was given");
-  }
-  std::string bytes;
-  std::vector<char> piece(std::size_t{1} << 20U);
-  ssize_t count = 0;
-  do {
-    count = read(descriptor, piece.data(), piece.size());
-    if (count > 0) bytes.append(piece.data(), static_cast<std::size_t>(count));
-  } while (count > 0 || (count < 0 && errno == EINTR));
-  const int error = count < 0 ? errno : 0;
-  close(descriptor);
-  if (error == 0) return bytes;
-  throw Error(Error::Code::kIo, file.string(), fmt::format("it cannot be read ({})", std::strerror(error)),
-              error == EISDIR ? "name the folder that --journal was given"
-                              : "check the disk, or bring the file back from a copy");
-}
-
 }  // namespace
 
 Journal readJournal(const std::filesystem::path& folder) {
@@ -254,7 +221,11 @@ Journal readJournal(const std::filesystem::path& folder) {
                                                                  : "there is no such folder";
     throw Error(Error::Code::kNotFound, folder.string(), reason, "name the folder that --journal was given");
   }
-  const std::string bytes = contentsOf(file);
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    throw Error(Error::Code::kBadInput, file.string(), "it is no plain file, so it is no journal",
+                "move it away, and name the folder that --journal was given");
+  }
+  const std::string bytes = wholeFile(file, "the journal");
   Journal journal;
   const std::size_t first = readHeader(bytes, file.string(), journal.header);
   Reading(bytes).readRecords(first, journal);

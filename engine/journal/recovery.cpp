@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <new>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -90,9 +92,9 @@ void goThrough(const Journal& journal, const fs::path& checkpoints, Volume& volu
   if (held.bricks.empty()) held.bricks = std::move(found.held.bricks);
   found.held = std::move(held);
   const std::span<const LastingEdit> put(all.data(), static_cast<std::size_t>(skipped));
-  EditTrail trail(found.mark);
-  for (const LastingEdit& edit : put) trail.edit(edit.commands, false);
-  found.mark = *trail.mark();
+  const std::optional<EditMark> mark = trailAfter(found.mark, put).mark();
+  if (!mark) throw std::bad_alloc();
+  found.mark = *mark;
   if (!found.begins_with_bricks) found.before.assign(put.begin(), put.end());
   found.edits.assign(all.begin() + skipped, all.end());
   found.sequence = journal.last_sequence;

@@ -24,6 +24,15 @@ std::vector<LastingEdit> lastingEdits(const Journal& journal) {
   return lasting;
 }
 
+EditTrail trailAfter(const EditMark& start, std::span<const LastingEdit> edits) {
+  EditTrail trail(start);
+  for (const LastingEdit& edit : edits) {
+    trail.edit(edit.commands, false);
+    trail.forgetAllBut(0);
+  }
+  return trail;
+}
+
 void checkStart(const Journal& journal, const Volume& volume, const std::string& input) {
   const std::string difference = differenceFrom(journal.header.volume, volume);
   if (difference.empty()) return;

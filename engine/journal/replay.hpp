@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/journal/edit_trail.hpp"
 #include "engine/journal/journal_reader.hpp"
 
 namespace palpate {
@@ -20,6 +21,9 @@ struct LastingEdit {
 };
 // All of them, in order.
 [[nodiscard]] std::vector<LastingEdit> lastingEdits(const Journal& journal);
+
+// What names the state after them all, which were made one by one from `start` on. Nothing can be undone in it.
+[[nodiscard]] EditTrail trailAfter(const EditMark& start, std::span<const LastingEdit> edits);
 
 // Throws Error(kBadInput) unless `volume` is the one that the journal began with; `input` names it in the message.
 void checkStart(const Journal& journal, const Volume& volume, const std::string& input);

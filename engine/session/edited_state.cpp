@@ -10,11 +10,7 @@ EditedState::EditedState(const JournalHeader& header)
 
 void EditedState::begin(const EditMark& start, std::span<const LastingEdit> edits,
                         std::span<const std::uint32_t> bricks) {
-  trail_ = EditTrail(start);
-  for (const LastingEdit& edit : edits) {
-    trail_.edit(edit.commands, false);
-    trail_.forgetAllBut(0);
-  }
+  trail_ = trailAfter(start, edits);
   note(bricks);
 }
 

@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "base/close_from.hpp"
+#include "base/end_with_parent.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "service/messages/message.hpp"
@@ -87,8 +88,7 @@ void answer(Channel& channel, const Broker::Tasks& tasks, const std::string& req
 // holds its signals, also this one (Landlock since Linux 6.12).
 [[noreturn]] void become(pid_t servo, Channel& other_end, const Channel& channel, const Broker::Tasks& tasks) noexcept {
   other_end.close();
-  prctl(PR_SET_PDEATHSIG, SIGKILL, 0, 0, 0);
-  if (getppid() != servo) _exit(0);  // it died before the line above
+  endWithParent(servo, SIGKILL);
   prctl(PR_SET_NAME, "palpate-broker", 0, 0, 0);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) static_cast<void>(std::signal(signal, SIG_IGN));
   closeAllBut(channel);

@@ -13,12 +13,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "apps/load/load_and_tell.hpp"
 #include "apps/mesh/mesh_file.hpp"
 #include "base/error.hpp"
 #include "engine/field/statistics.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/files/volume_file.hpp"
 #include "temporary_folder.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace convert_job_test {
@@ -102,9 +104,14 @@ TEST_F(Convert, ExactRefusesNumbersThatAreRounded) {
   testing::internal::CaptureStderr();
   static_cast<void>(run({.in = file("a.nrrd"), .out = file("b.nrrd")}));
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("32 of its int32 values are no 32-bit floats"));
-  testing::internal::CaptureStderr();
-  static_cast<void>(run({.in = file("a.nrrd"), .out = file("b.stl")}));
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // a mesh has no densities
+  values[0] = 2'000'000'000;  // beside which the rest is small: a mesh, which has no densities, does not show it
+  std::ofstream(file("a.nrrd"), std::ios::binary) << nrrdOf("int", bytesOf(values));
+  for (const char* out : {"b.nrrd", "b.stl"}) {
+    testing::internal::CaptureStderr();
+    static_cast<void>(run({.in = file("a.nrrd"), .out = file(out)}));
+    const bool is_told = testing::internal::GetCapturedStderr().find("no 32-bit floats") != std::string::npos;
+    EXPECT_EQ(is_told, std::string(out) == "b.nrrd");
+  }
 }
 
 TEST_F(Convert, ExactRefusesWhatIsReplaced) {
@@ -115,6 +122,30 @@ TEST_F(Convert, ExactRefusesWhatIsReplaced) {
                 "1 of its voxels have no density in the file, and were given one; leave --exact out");
   expectRefused({.in = kBall, .out = file("a.stl"), .exact = true}, Error::Code::kBadInput,
                 "--exact: a mesh keeps no densities");
+}
+
+TEST_F(Convert, ExactRefusesWhatIsClamped) {
+  VolumeFacts facts;
+  facts.clamped = 3;
+  const Volume volume = Volume::fromDense({2, 2, 2}, {}, std::vector<float>(8), facts);
+  EXPECT_THAT(refusalOf([&] { checkExact(volume, {.in = "a", .out = "b.mha"}); }),
+              HasSubstr("a: 3 of its pixels, packed with losses, lay beyond BitsStored"));
+}
+
+// 1e9 + n: floats are 64 apart there, so that little is left of the differences. Whoever feels them is told.
+TEST_F(Convert, WhatRoundingTakesFromTheRangeIsToldWithEveryVolume) {
+  const auto told = [&](std::int32_t low, std::int32_t high) {
+    std::vector<std::int32_t> values(64);
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = n == 0 ? high : low + static_cast<std::int32_t>(n);
+    std::ofstream(file("a.nrrd"), std::ios::binary) << nrrdOf("int", bytesOf(values));
+    Progress progress;
+    testing::internal::CaptureStderr();
+    static_cast<void>(loadAndTell(file("a.nrrd"), progress));
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_THAT(told(1'000'000'000, 1'000'000'064), HasSubstr("values are no 32-bit floats and were rounded, by 32 at"));
+  EXPECT_EQ(told(1'000'000'000, 2'000'000'000), "");
+  EXPECT_EQ(told(0, 100), "");
 }
 
 // Distances of a sphere in metres: thousandths of a level set's are no floats as a rule.

@@ -169,6 +169,10 @@ TEST_F(InfoVerb, InfoIsAFileToo) {
   expectRefusal(run({"info", "a.nrrd", "--json", "a.nrrd"}), "a.nrrd", "it is the input", 2);
   expectRefusal(run({"convert", "a.nrrd", "b.nrrd", "--exact"}), "a.nrrd", words, 2);
   EXPECT_FALSE(exists("b.nrrd"));
+  // A name that is no UTF-8: what JSON cannot hold becomes U+FFFD.
+  std::filesystem::rename(file("a.nrrd"), file("bad\xff.nrrd"));
+  expectSuccess(run({"info", "bad\xff.nrrd", "--json", "a.json"}));
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(file("a.json"))).at("volume"), "bad\uFFFD.nrrd");
   write("a.nrrd", rampWithNan());
   expectSuccess(run({"info", "a.nrrd", "--nan", "3", "--json", "a.json"}));
   EXPECT_EQ(nlohmann::json::parse(std::ifstream(file("a.json"))).at("replaced"), 2);

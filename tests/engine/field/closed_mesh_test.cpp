@@ -141,6 +141,12 @@ TEST(ClosedMesh, OfVoxelsJustAboveTheIsovalue) {
   const TriangleMesh mesh = isosurfaceMesh(volume, 1000);
   EXPECT_TRUE(flawsOf(mesh).none()) << flawsOf(mesh);
   EXPECT_EQ(mesh.triangles.size(), 24U);
+  int near_corners = 0;  // each 1/256 from the far faces of its cell
+  for (const Vec3& vertex_W : mesh.vertices_W) {
+    const Vec3 off_I = (volume.lattice().toIndex(vertex_W) - Vec3::Constant(2)).cwiseAbs();
+    near_corners += (off_I - Vec3::Constant(255.0 / 256)).norm() < 1e-9 ? 1 : 0;
+  }
+  EXPECT_EQ(near_corners, 8);
 }
 
 // Every scan at whole numbers: what Otsu finds, and a quarter of the largest density. (Whole scans take the mesher some

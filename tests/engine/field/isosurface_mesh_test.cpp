@@ -8,11 +8,13 @@
 #include <set>
 #include <tuple>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "engine/files/volume_file.hpp"
 #include "engine/phantoms/phantom.hpp"
 #include "tests/engine/files/files.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace isosurface_mesh_test {
@@ -132,11 +134,10 @@ TEST(IsosurfaceMesh, AFullVolumeIsItsBoxAndTurnedAxesStayOutward) {
 }
 
 // Every point of the mesh is within d of the ball's surface, so its volume is within 4 pi R^2 d (1 + d/R + ..) of the
-// ball's. Without adaptivity d is a vertex' error, bounded as above, and a triangle's sagitta: edges are up to
-// 2 sqrt(3) h long (vertices of two neighbouring cells), so (sqrt(3) h)^2 / 2R, 1.5 h^2 / R: 2 h^2 / R in all. Joined
-// cells stay within a leaf of 8 voxels: edges are up to 2 sqrt(3) 8 h long, which gives no useful bound; the mesher
-// joins cells whose normals n fulfil n.n' > 1 - adaptivity, so a joined face turns by less than acos(1 - a) to either
-// side of its mean and its sagitta is below R (1 - cos(2 acos(1 - a))) at most; for a = 0.01 that is 0.04 R.
+// ball's. d is a vertex' error, bounded as above, and a triangle's sagitta. The vertices of a triangle on a ball lie on
+// a circle of radius r. If it holds its own circle's middle, r is l / sqrt(3) at most, l being the longest side, and
+// the middle lies r^2 / 2R = l^2 / 6R deep. If not, the deepest point is the middle of that side, l^2 / 8R deep. A
+// triangle is within a cell: l is sqrt(3) h at most. Joined ones have sides of 8 h at most.
 TEST(IsosurfaceMesh, VolumeOfTheBallAndEdgesSharedByTwo) {
   const std::unique_ptr<Phantom> phantom = makePhantom("phantom:sphere?size=64");
   const Volume volume = loadVolume("phantom:sphere?size=64");
@@ -152,11 +153,27 @@ TEST(IsosurfaceMesh, VolumeOfTheBallAndEdgesSharedByTwo) {
     if (adaptivity > 0.01) continue;
     const Vec3 centre_W = phantom->lattice().toWorld((volume.size().cast<double>().array() - 1).matrix() / 2);
     const double radius_m = -phantom->signedDistance_m(centre_W);
-    const double d_m = adaptivity > 0 ? 0.04 * radius_m : 2 * h_m * h_m / radius_m;
+    const double side_m = (adaptivity > 0 ? 8 : std::sqrt(3.0)) * h_m;
+    const double vertex_m = h_m * h_m / (4 * (radius_m - h_m)) + std::sqrt(3.0) * h_m / 256;
+    const double d_m = side_m * side_m / (6 * radius_m) + vertex_m;
     constexpr double kPi = 3.14159265358979;
     EXPECT_NEAR(volumeOf(mesh), 4.0 / 3 * kPi * radius_m * radius_m * radius_m,
                 4 * kPi * radius_m * radius_m * d_m * (1 + 2 * d_m / radius_m));
   }
+}
+
+// Asked as soon as the cells are known.
+TEST(IsosurfaceMesh, IsRefusedWithoutTheMemory) {
+  const Volume volume = loadVolume("phantom:sphere?size=32");
+  const std::size_t least = 100'000;
+  const std::string refusal =
+      refusalOf([&] { static_cast<void>(isosurfaceMesh(volume, 0, 0, least)); }, Error::Code::kOutOfMemory);
+  EXPECT_THAT(refusal, testing::HasSubstr("phantom:sphere?size=32: its isosurface at 0 passes through "));
+  EXPECT_THAT(refusal, testing::HasSubstr("smooth, crop or resample the volume"));
+  const TriangleMesh mesh = isosurfaceMesh(volume, 0, 0, 100 * least);
+  EXPECT_LT(static_cast<double>(mesh.triangles.size() * sizeof mesh.triangles[0] +
+                                mesh.vertices_W.size() * sizeof mesh.vertices_W[0]),
+            kMeshBytesPerCell * static_cast<double>(mesh.vertices_W.size()));
 }
 
 // As without adaptivity, for every kind of cell.

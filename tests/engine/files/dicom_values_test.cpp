@@ -690,6 +690,7 @@ TEST_F(DicomValuesOfSeries, OfLossyPackingAreClampedWhereTheyOvershoot) {
         expectSlices(want);
         EXPECT_EQ(loadVolume(folder_.path()).facts().remark,
                   "6 of 512 pixels, packed with losses, lay beyond BitsStored and were held within it");
+        EXPECT_EQ(loadVolume(folder_.path()).facts().clamped, 6U);
       } else {
         refuses("the packed pixels of slice s0.dcm have more bits than BitsStored, 12");
       }

@@ -103,8 +103,9 @@ class RoundingOfFiles : public testing::Test {
       const std::vector<T> values = drawn<T>(5);
       std::vector<long double> exact;
       for (const T value : values) {
-        using Wide = std::conditional_t<std::is_integral_v<T> && sizeof(T) == 8, long double, double>;
-        exact.push_back(static_cast<Wide>(value) * static_cast<Wide>(slope) + static_cast<Wide>(intercept));
+        const auto whole = static_cast<long double>(value);
+        const auto product = [&](auto number) -> long double { return number * slope + intercept; };
+        exact.push_back(static_cast<double>(value) == whole ? product(static_cast<double>(value)) : product(whole));
       }
       const std::string of = (slope != 1 || intercept != 0 ? "scaled " : "") + name;
       NiftiFields fields;
@@ -138,6 +139,7 @@ TEST_F(RoundingOfFiles, IsThatOfTheScaledNumber) {
   expectScaled<std::uint8_t>("uint8", 2, "MET_UCHAR");
   expectScaled<std::int16_t>("int16", 4, "MET_SHORT");
   expectScaled<std::int32_t>("int32", 8, "MET_INT");
+  expectScaled<std::int64_t>("int64", 1024, "MET_LONG_LONG");
   expectScaled<float>("float32", 16, "MET_FLOAT");
   expectScaled<double>("float64", 64, "MET_DOUBLE");
 }
@@ -152,6 +154,9 @@ TEST_F(RoundingOfFiles, IsOfProductsInDouble) {
   const Rounding rounded = load("a.mha", header + bytes(values)).facts().rounded;
   EXPECT_EQ(rounded.count, 2U);
   EXPECT_EQ(rounded.most, 5033165 * std::ldexp(1.0, -24) - 3 * 0.1);
+  std::vector<std::int64_t> longs(values.size(), 10);
+  const std::string long_header = meta("MET_LONG_LONG", "ElementToIntensityFunctionSlope = 0.1\n");
+  EXPECT_EQ(load("a.mha", long_header + bytes(longs)).facts().rounded.count, 0U);
   EXPECT_EQ(rounded.words(), "2 of its scaled uint8 values are no 32-bit floats and were rounded, by 1.19e-08 at most");
 }
 

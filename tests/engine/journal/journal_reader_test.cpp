@@ -11,6 +11,8 @@
 #include "base/error.hpp"
 #include "engine/journal/replay.hpp"
 #include "journal_samples.hpp"
+#include "tests/support/few_descriptors.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace palpate {
 namespace journal_reader_test {
@@ -209,21 +211,26 @@ TEST(JournalReader, RefusesAFolderWithoutAJournal) {
 
 // A folder in the journal's place, and a file of which the system says EIO (nothing lies at a process's address 0).
 TEST(JournalReader, SaysThatTheFileCannotBeRead) {
-  const auto refusalOf = [](const std::filesystem::path& folder) {
-    try {
-      static_cast<void>(readJournal(folder));
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), Error::Code::kIo);
-      return std::string(error.what());
-    }
-    return std::string("none");
-  };
   const TemporaryFolder place, damaged;
   std::filesystem::create_directory(journalFile(place.path()));
-  EXPECT_THAT(refusalOf(place.path()),
-              HasSubstr("journal.palpate: it cannot be read (Is a directory); name the folder"));
+  EXPECT_THAT(
+      refusalOf([&] { static_cast<void>(readJournal(place.path())); }, Error::Code::kBadInput),
+      HasSubstr("journal.palpate: it is no plain file, so it is no journal; move it away, and name the folder"));
   std::filesystem::create_symlink("/proc/self/mem", journalFile(damaged.path()));
-  EXPECT_THAT(refusalOf(damaged.path()), HasSubstr("it cannot be read (Input/output error); check the disk"));
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(readJournal(damaged.path())); }, Error::Code::kIo),
+              HasSubstr("the journal cannot be read (Input/output error); check the disk"));
+}
+
+// It is of this moment, and nothing is said of the file.
+TEST(JournalReader, SaysThatNoDescriptorIsLeft) {
+  const TemporaryFolder folder;
+  {
+    JournalWriter writer(folder.path(), sampleHeader(sampleVolume()));
+    writer.edit({{dab(0)}});
+  }
+  const FewDescriptors none;
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(readJournal(folder.path())); }, Error::Code::kOutOfMemory),
+              HasSubstr("(Too many open files); end other programs"));
 }
 
 }  // namespace journal_reader_test

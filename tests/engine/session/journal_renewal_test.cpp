@@ -218,7 +218,9 @@ TEST(JournalRenewal, WhatItBeginsWithIsCopied) {
     s.session.feedSaver(now_ns += 10 * kSecond_ns);
     s.session.saver()->wait();
   };
-  s.session.edit({{dab(0)}}, 0);
+  EditCommand command = dab(0);
+  command.from_W = command.to_W = s.volume.lattice().toWorld({13, 10, 9});
+  s.session.edit({{command}}, 0);
   EXPECT_TRUE(s.session.flushJournal());
   fs::remove_all(place);
   EXPECT_FALSE(s.session.flushJournal());
@@ -230,7 +232,8 @@ TEST(JournalRenewal, WhatItBeginsWithIsCopied) {
   const Journal journal = readJournal(place);
   const auto recover = [&] {
     Volume back = sampleVolume();
-    return std::pair(recoverSession(journal, place, place, back), contentHash(back));
+    Recovered found = recoverSession(journal, place, place, back);
+    return std::pair(std::move(found), contentHash(back));
   };
   EXPECT_EQ(recover().first.lost_records, 2U);  // the record, and the edit in it
   feed();
