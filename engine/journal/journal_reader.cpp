@@ -128,14 +128,18 @@ class Reading {
   // Walks from frame to frame. Where the length of one is damaged, the next that is sound is looked for.
   [[nodiscard]] JournalDamage damageAt(std::size_t at, std::uint64_t last_sequence, const std::string& reason) const {
     JournalDamage damage{at, bytes_.size() - at, 0, reason};
-    if (at < bytes_.size()) damage.is_torn_end = isTornEnd(at);
     damage.last_sequence = last_sequence;
+    if (at < bytes_.size()) damage.is_torn_end = isTornEnd(at);
+    if (damage.is_torn_end && frameAt(bytes_.substr(at)).bytes > 0) {  // zeros up to the end
+      ++damage.records;
+      ++damage.last_sequence;
+      return damage;
+    }
     bool has_sound_ones = true;  // behind this place, as far as is known
     while (at < bytes_.size()) {
       const Frame frame = frameAt(bytes_.substr(at));
       ++damage.records;
       ++damage.last_sequence;
-      if (damage.is_torn_end && frame.bytes > 0) break;  // zeros up to the end
       if (!frame.sound && has_sound_ones) {
         at = behindDamage(at, frame, damage.last_sequence, has_sound_ones);
         continue;

@@ -203,8 +203,9 @@ class HidServiceKills : public EmulatedHid {
     const bool is_checkpoint = pick(0, 3) == 0 && std::filesystem::exists(checkpoint);
     const std::filesystem::path hit = is_checkpoint ? checkpoint : journal;
     std::string bytes = contentsOf(hit);
-    // Behind the header: a journal that does not say of which volume it is is refused.
-    const std::size_t first = is_checkpoint ? 0 : std::min(bytes.size() - 1, kHeader_bytes);
+    // Behind the header, if there is something: a journal that does not say of which volume it is is refused.
+    const std::size_t first = is_checkpoint ? 0 : kHeader_bytes;
+    if (first >= bytes.size()) return "";
     const std::size_t at = std::uniform_int_distribution<std::size_t>(first, bytes.size() - 1)(random_);
     bytes[at] = static_cast<char>(bytes[at] ^ (1 << pick(0, 7)));
     std::ofstream(hit, std::ios::binary) << bytes;

@@ -11,6 +11,7 @@
 #include "engine/edit/lower_edit.hpp"
 #include "engine/reference/edit.hpp"
 #include "journal_samples.hpp"
+#include "tests/support/long_run.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace palpate {
@@ -101,10 +102,10 @@ TEST_F(Recovery, OfAWholeJournalHasEveryEdit) {
 }
 
 // At each record, with no checkpoint, and with one before, at or beyond it: by its number, its length (which hides how
-// long it is) or its content.
+// long it is, or leads beyond the end) or its content.
 TEST_F(Recovery, GoesOnFromACheckpointBeyondTheDamage) {
   for (std::size_t hit = 1; hit <= kEdits; ++hit) {
-    for (const std::size_t byte : {std::size_t{0}, std::size_t{5}, std::size_t{25}}) {
+    for (const std::size_t byte : {0U, 2U, 5U, 25U}) {
       for (const std::size_t at : {std::size_t{0}, hit / 2, hit - 1, hit, std::min(hit + 3, kEdits), kEdits}) {
         fs::remove(checkpointFile(folder_.path(), 1));
         damage(hit, byte);
@@ -115,6 +116,26 @@ TEST_F(Recovery, GoesOnFromACheckpointBeyondTheDamage) {
         EXPECT_EQ(found_.sequence, is_beyond ? kEdits : hit - 1);
         EXPECT_EQ(found_.lost_records, is_beyond ? 0 : kEdits - hit + 1) << hit << ' ' << byte;
         EXPECT_THAT(found_.loss, HasSubstr(fmt::format("as record {} ", hit)));
+      }
+    }
+  }
+}
+
+// One bit anywhere behind the header: what is missing is told, at least; and a checkpoint from beyond it has all.
+TEST_F(Recovery, NoBitCostsMoreThanIsTold) {
+  for (std::size_t at = begins_[0]; at < bytes_.size(); at += isLongRun() ? 1 : 17) {
+    for (unsigned bit = at % (isLongRun() ? 3 : 8); bit < 8; bit += isLongRun() ? 3 : 8) {
+      std::string bytes = bytes_;
+      bytes[at] = static_cast<char>(static_cast<unsigned char>(bytes[at]) ^ 1U << bit);
+      setBytes(folder_.path(), bytes);
+      fs::remove(checkpointFile(folder_.path(), 1));
+      const int back = recover();
+      ASSERT_GE(back, 0) << at << " bit " << bit;
+      EXPECT_EQ(found_.lost_records, kEdits - static_cast<std::size_t>(back)) << at << " bit " << bit;
+      checkpoint(1, kEdits - 3);
+      EXPECT_GE(recover() + static_cast<int>(found_.lost_records), static_cast<int>(kEdits)) << at << " bit " << bit;
+      if (back < static_cast<int>(kEdits) - 3) {
+        EXPECT_EQ(found_.lost_records, 0U) << at << " bit " << bit;
       }
     }
   }
