@@ -124,7 +124,7 @@ TEST_F(Recovery, GoesOnFromACheckpointBeyondTheDamage) {
 // One bit anywhere behind the header: what is missing is told, at least; and a checkpoint from beyond it has all.
 TEST_F(Recovery, NoBitCostsMoreThanIsTold) {
   for (std::size_t at = begins_[0]; at < bytes_.size(); at += isLongRun() ? 1 : 17) {
-    for (unsigned bit = at % (isLongRun() ? 3 : 8); bit < 8; bit += isLongRun() ? 3 : 8) {
+    for (std::size_t bit = at % (isLongRun() ? 3 : 8); bit < 8; bit += isLongRun() ? 3 : 8) {
       std::string bytes = bytes_;
       bytes[at] = static_cast<char>(static_cast<unsigned char>(bytes[at]) ^ 1U << bit);
       setBytes(folder_.path(), bytes);
