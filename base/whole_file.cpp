@@ -21,10 +21,16 @@ std::string wholeFile(const std::filesystem::path& file, const std::string& what
   if (!opened) {
     const int why = errno;
     const bool is_lack = why == EMFILE || why == ENFILE || why == ENOMEM;  // of this moment, whatever the file is
-    throw Error(
-        is_lack ? Error::Code::kOutOfMemory : Error::Code::kNotFound, name,
-        fmt::format("{} cannot be opened ({})", what, std::strerror(why)),
-        is_lack ? "end other programs, or raise the limit of open files (ulimit -n)" : "check its name and rights");
+    // Else the disk or the network fails, and another moment may have it.
+    const bool is_refused =
+        why == ENOENT || why == ENOTDIR || why == ELOOP || why == ENAMETOOLONG || why == EACCES || why == EPERM;
+    throw Error(is_lack      ? Error::Code::kOutOfMemory
+                : is_refused ? Error::Code::kNotFound
+                             : Error::Code::kIo,
+                name, fmt::format("{} cannot be opened ({})", what, std::strerror(why)),
+                is_lack      ? "end other programs, or raise the limit of open files (ulimit -n)"
+                : is_refused ? "check its name and rights"
+                             : "see whether its disk can be reached");
   }
   struct stat facts {};
   if (fstat(opened.get(), &facts) != 0 || !S_ISREG(facts.st_mode))

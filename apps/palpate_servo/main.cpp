@@ -47,23 +47,25 @@ void tell(const std::string& words) {
 }
 
 // A shell opens its terminal once, to read and to write, and gives that as each of the standard streams.
-void onlyWriteTo(int output) {
-  if (isatty(output) == 0) return;
+// False: it stays as it is, since it is another user's, who cannot open it again.
+bool onlyWriteTo(int output) {
+  if (isatty(output) == 0) return true;
   const palpate::Descriptor writes(
       open(("/proc/self/fd/" + std::to_string(output)).c_str(), O_WRONLY | O_NOCTTY | O_CLOEXEC));
-  if (writes) dup2(writes.get(), output);
+  return writes && dup2(writes.get(), output) == output;
 }
 
 // Whoever started this program may have left files open, which could still be written to, and a terminal, in which
-// somebody types.
-void closeWhatIsLeft(int but) {
+// somebody types. False: that can still be read.
+bool closeWhatIsLeft(int but) {
   // The number of a standard stream that is closed would be that of the next socket, and messages would go there.
   int nothing = open("/dev/null", O_RDWR);
   while (nothing >= 0 && nothing <= STDERR_FILENO) nothing = open("/dev/null", O_RDWR);
   dup2(nothing, STDIN_FILENO);
   close(nothing);
   palpate::closeFrom(STDERR_FILENO + 1, palpate::Closing::kNow, but);
-  for (const int output : {STDOUT_FILENO, STDERR_FILENO}) onlyWriteTo(output);
+  const bool output = onlyWriteTo(STDOUT_FILENO), errors = onlyWriteTo(STDERR_FILENO);
+  return output && errors;
 }
 
 // In which the servo notes that a device is calibrated, and takes that back: made now, since later it cannot be. Empty:
@@ -160,10 +162,12 @@ int main(int argc, char** argv) {
     if (is_open) {
       palpate::tellUser("servo: --no-sandbox: it keeps all its rights, and is for debugging only");
     } else {
-      closeWhatIsLeft(is_made ? std::atoi(argv[2]) : STDERR_FILENO);
+      const bool reads_nothing = closeWhatIsLeft(is_made ? std::atoi(argv[2]) : STDERR_FILENO);
       palpate::RightsNeeded needed{.modules = {PALPATE_SERVO_MODULES}, .own_folder = ownFolder()};
       if (stays) needed.greet = [socket = std::string(argv[2])](std::uint64_t number) { return reach(socket, number); };
       without = palpate::giveUpRights(needed);
+      if (!reads_nothing)
+        without.report.missing.emplace_back("reading a terminal of another user (start it from one of its own user)");
       // What an engine starts is part of its run, which says enough: only what is missing is told there.
       if (!is_made || !without.report.missing.empty()) tell(palpate::wordsOf(without.report));
     }

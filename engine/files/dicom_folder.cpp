@@ -46,14 +46,16 @@ DicomSeries slicesOf(const std::string& folder, const std::string& source) {
 
 // The numbered list for messages of the series whose keys begin with `first`.
 std::string listOf(const DicomFolder& all, const std::string& first = "") {
+  constexpr int kMost = 20;
   std::string list;
+  int count = 0;
   for (const auto& [key, series] : all) {
-    if (!key.starts_with(first)) continue;
+    if (!key.starts_with(first) || ++count > kMost) continue;
     list +=
         fmt::format("{}{}: {} ({} slice{})", list.empty() ? "" : ", ", std::distance(all.begin(), all.find(key)) + 1,
                     wordsOfSeries(all, key, true), series.size(), series.size() == 1 ? "" : "s");
   }
-  return list;
+  return count <= kMost ? list : fmt::format("{} and {} more", list, count - kMost);
 }
 
 }  // namespace

@@ -29,9 +29,12 @@ SettledPadding settlePadding(std::vector<float>& densities, const std::vector<bo
     if (densities[n] > highest) highest = densities[n];
   }
   const bool one_density = lowest >= highest;
+  constexpr float kSpanOfPictures = 256;
+  const float span = highest - lowest;
+  const float least = span >= kSpanOfPictures ? lowest - span : -std::numeric_limits<float>::max();
   for (std::size_t n = 0; n < densities.size(); ++n) {
     if (!padding[n]) continue;
-    if (may_keep && std::isfinite(densities[n]) && (one_density || densities[n] <= lowest)) {
+    if (may_keep && std::isfinite(densities[n]) && (one_density || (densities[n] <= lowest && densities[n] >= least))) {
       ++settled.kept;
     } else {
       densities[n] = noValue();

@@ -19,7 +19,8 @@ struct SettledPadding {
 };
 
 // Pixels that are padding become noValue() (dicom_values.hpp), but for those that keep their density if `may_keep`:
-// - whose density is at or below the lowest of the pixels that are no padding;
+// - whose density is at or below the lowest of the pixels that are no padding, unless it is a picture (their densities
+//   span 256 or more) that lies farther above than it spans: -32768 beside a CT says nothing but padding;
 // - all, if the pixels that are no padding have one density: the volume would have no other.
 // A density that is no number is not kept. `padding` is empty, or has one entry for each density. Throws
 // Error(kBadInput) if all pixels are padding. Cost: two reads of the densities.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/files/dicom_parts.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -39,6 +41,29 @@ const std::vector<DicomItem>& dimensionsOf(const DicomSlice& slice) {
   return slice.file->root.element(DicomTag::kDimensionIndexSequence).items;
 }
 
+// The fewest of these dimensions, of the fewest values first, that still tell all slices apart that lie at one place:
+// one that counts every frame would tell them all apart, and leave nothing but single slices.
+std::vector<std::size_t> fewestOf(std::vector<std::size_t> dimensions, const DicomSeries& slices) {
+  std::map<std::size_t, std::set<std::uint32_t>> values;
+  for (const DicomSlice& slice : slices)
+    for (const std::size_t n : dimensions) values[n].insert(slice.dimensionIndices()[n]);
+  std::ranges::stable_sort(dimensions, {}, [&](std::size_t n) { return values[n].size(); });
+  const auto tell = [&](std::size_t count) {
+    std::set<std::pair<std::string, Indices>> seen;
+    for (const DicomSlice& slice : slices) {
+      Indices key;
+      for (std::size_t i = 0; i < count; ++i) key.push_back(slice.dimensionIndices()[dimensions[i]]);
+      if (!seen.emplace(slice.text(DicomTag::kImagePositionPatient), std::move(key)).second) return false;
+    }
+    return true;
+  };
+  std::size_t count = 0;
+  while (count < dimensions.size() && !tell(count)) ++count;
+  dimensions.resize(count);
+  std::ranges::sort(dimensions);  // as the file orders them
+  return dimensions;
+}
+
 // The dimensions in which some slices differ that lie at one place.
 std::vector<std::size_t> dividing(const DicomSeries& slices) {
   const std::vector<DicomItem>& dimensions = dimensionsOf(slices[0]);
@@ -56,7 +81,7 @@ std::vector<std::size_t> dividing(const DicomSeries& slices) {
   std::vector<std::size_t> found;
   for (std::size_t n = 0; n < differs.size(); ++n)
     if (differs[n]) found.push_back(n);
-  return found;
+  return fewestOf(std::move(found), slices);
 }
 
 void addDivided(std::vector<DicomSeries>& all, DicomSeries slices, const std::string& words) {

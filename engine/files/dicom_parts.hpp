@@ -14,8 +14,8 @@
 namespace palpate {
 
 // One series for each stack and phase, in the order of both. Where frames of these still lie at one place, one for each
-// value of the dimensions in which such frames differ. Sets DicomSlice::part. Slices of files that name no dimensions,
-// or other ones than the rest, are not divided further.
+// value of the dimensions in which such frames differ, as few of these as tell them apart. Sets DicomSlice::part.
+// Slices of files that name no dimensions, or other ones than the rest, are not divided further.
 [[nodiscard]] std::vector<DicomSeries> partsOf(DicomSeries slices);
 
 }  // namespace palpate

@@ -225,6 +225,13 @@ bool isOwnWord(const DicomValueRule& rule, const Stored& stored, std::uint32_t w
   return word == extended || word == cleared;
 }
 
+// Whether padding that the stored bits do not hold made this word.
+bool isPaddingWord(const DicomValueRule& rule, const Stored& whole, std::uint32_t word) {
+  if (!rule.padding || !rule.padding_is_word) return false;
+  const std::int64_t value = whole.of(word);
+  return value >= rule.padding->lowest && value <= rule.padding->highest;
+}
+
 }  // namespace
 
 std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::string& source) {
@@ -253,8 +260,11 @@ std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::s
 
 bool hasOtherBits(const DicomValueRule& rule, std::span<const char> words) {
   const Stored stored(rule);
+  const Stored whole = Stored::wholeWord(rule);
   bool other = false;
-  forEachWord(rule, words, [&](std::size_t, std::uint32_t word) { other = other || !isOwnWord(rule, stored, word); });
+  forEachWord(rule, words, [&](std::size_t, std::uint32_t word) {
+    other = other || (!isOwnWord(rule, stored, word) && !isPaddingWord(rule, whole, word));
+  });
   return other;
 }
 
@@ -268,7 +278,7 @@ std::size_t clampToStored(const DicomValueRule& rule, std::span<char> words) {
   forEachWord(rule, words, [&](std::size_t, std::uint32_t word) { extended = extended || whole.of(word) < 0; });
   std::size_t clamped = 0;
   forEachWord(rule, words, [&](std::size_t n, std::uint32_t word) {
-    if (!extended && isOwnWord(rule, stored, word)) return;
+    if ((!extended && isOwnWord(rule, stored, word)) || isPaddingWord(rule, whole, word)) return;
     const std::int64_t value = whole.of(word);
     const std::int64_t within = std::clamp(value, stored.lowest(), stored.highest());
     if (value == within) return;

@@ -61,11 +61,12 @@ inline constexpr std::uint32_t kNoValueBits = 0x7fd0'0a1d;
 // without a slope the slope 1.
 [[nodiscard]] std::vector<DicomValueRule> valueRulesOf(const DicomSeries& series, const std::string& source);
 
-// Whether some bit outside the stored ones is set, other than by the sign. Words are in the machine's byte order.
+// Whether some bit outside the stored ones is set, other than by the sign, or by padding of whole words. Words are in
+// the machine's byte order.
 [[nodiscard]] bool hasOtherBits(const DicomValueRule& rule, std::span<const char> words);
 
 // What a lossy coding put beyond the stored bits becomes the nearest value that they hold. Returns the number of these
-// words. The stored bits are the lowest of a word.
+// words. Padding of whole words stays. The stored bits are the lowest of a word.
 std::size_t clampToStored(const DicomValueRule& rule, std::span<char> words);
 
 // `words` in the machine's byte order, one for each of `densities`. What is too large for a float becomes beyondFloat()

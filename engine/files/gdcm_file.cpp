@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
+#include <string>
 
 #include <gdcmImageReader.h>
 #include <gdcmTrace.h>
@@ -55,6 +56,9 @@ void useWordsOfStream(gdcm::Image& image) {
   const gdcm::ByteValue* const first = fragments->GetFragment(0).GetByteValue();
   if (first == nullptr || image.GetPixelFormat().GetSamplesPerPixel() != 1) return;
   const unsigned bits = precisionOf({first->GetPointer(), first->GetLength()});
+  if (bits > 1 && bits < 8)
+    throw std::runtime_error("its packed pixels have " + std::to_string(bits) +
+                             " bits each, which GDCM does not unpack");
   if (bits < 8 || bits > 16) return;
   const auto stored = static_cast<unsigned short>(bits);
   image.SetPixelFormat(gdcm::PixelFormat(1, bits <= 8 ? 8 : 16, stored, static_cast<unsigned short>(stored - 1),

@@ -181,7 +181,7 @@ std::optional<BeyondDamage> putCheckpointBeyond(const fs::path& folder, const Jo
   for (const std::size_t number : order) {
     if (!heads[number] || heads[number]->journal != header.id || heads[number]->sequence <= sequence) continue;
     if (auto bricks = put(checkpointFile(folder, number), *heads[number], volume))
-      return BeyondDamage{*heads[number], std::move(*bricks)};
+      return BeyondDamage{*heads[number], number, std::move(*bricks)};
   }
   return std::nullopt;
 }

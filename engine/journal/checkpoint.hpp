@@ -57,6 +57,7 @@ struct Headstart {
 // volume is as it was.
 struct BeyondDamage {
   CheckpointHead head;
+  std::size_t place = 0;              // of the file
   std::vector<std::uint32_t> bricks;  // that edits may have changed, ascending
 };
 [[nodiscard]] std::optional<BeyondDamage> putCheckpointBeyond(const std::filesystem::path& folder,

@@ -52,6 +52,11 @@ enum class RecordKind : std::uint32_t {
   kBricks = 6,  // what edits before this journal have made of the volume; only at its beginning, one or several
 };
 
+[[nodiscard]] constexpr bool isRecordKind(std::uint32_t kind) noexcept {
+  return kind >= static_cast<std::uint32_t>(RecordKind::kEdit) &&
+         kind <= static_cast<std::uint32_t>(RecordKind::kBricks);
+}
+
 // Which edits, undos and redos can follow one another in a journal: an undo takes back an edit that the journal has, a
 // redo makes one again that was undone since the last edit.
 class RecordOrder {

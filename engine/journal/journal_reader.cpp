@@ -2,6 +2,7 @@
 #include "engine/journal/journal_reader.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -60,9 +61,7 @@ class Reading {
       journal.last_sequence = 0;
     }
     journal.damage = damageAt(at, journal.last_sequence, reason);
-    const Frame begin = frameAt(bytes_.substr(at));
-    if (at == first && static_cast<RecordKind>(begin.kind) == RecordKind::kBricks)
-      journal.damage->edits_before = editsOfBricks(begin.content);
+    if (at == first) noteBeginning(at, *journal.damage);
   }
 
  private:
@@ -125,6 +124,24 @@ class Reading {
     }
   }
 
+  // Whether a damaged first record is one of those that a journal may begin with, and of how many edits: by its kind,
+  // or by what is in it.
+  void noteBeginning(std::size_t at, JournalDamage& damage) const {
+    constexpr std::uint64_t kMostEdits = std::uint64_t{1} << 32U;  // more is damage, too
+    const Frame begin = frameAt(bytes_.substr(at));
+    bool sound_behind = true;
+    const std::size_t end = behindDamage(at, begin, 0, sound_behind);
+    if (end < at + kRecordFrame) return;
+    constexpr std::size_t kHead =
+        kRecordFrame - sizeof(std::uint32_t);  // before the content; the checksum is behind it
+    const std::string_view content = bytes_.substr(at + kHead, end - at - kRecordFrame);
+    KeptBricks ignored;
+    damage.is_of_beginning =
+        static_cast<RecordKind>(begin.kind) == RecordKind::kBricks || bricksOf(content, ignored).has_value();
+    const std::uint64_t edits = editsOfBricks(content);
+    if (damage.is_of_beginning && edits < kMostEdits) damage.edits_before = edits;
+  }
+
   // Walks from frame to frame. Where the length of one is damaged, the next that is sound is looked for.
   [[nodiscard]] JournalDamage damageAt(std::size_t at, std::uint64_t last_sequence, const std::string& reason) const {
     JournalDamage damage{at, bytes_.size() - at, 0, reason};
@@ -185,7 +202,10 @@ class Reading {
                                          bool& has_sound_ones) const {
     const std::size_t next = at + frame.bytes;
     if (frame.bytes > 0 && (next == bytes_.size() || frameAt(bytes_.substr(next)).sound)) return next;
-    const std::uint64_t most = number + (bytes_.size() - at) / kRecordFrame;
+    // A journal that begins with bricks goes on with the numbers of the one before.
+    const bool is_first = number <= 1;
+    const std::uint64_t most =
+        is_first ? std::numeric_limits<std::uint64_t>::max() : number + (bytes_.size() - at) / kRecordFrame;
     for (std::size_t place = at + 1; place + kRecordFrame <= bytes_.size(); ++place) {
       if (isNumbered(bytes_.substr(place), number, most) && frameAt(bytes_.substr(place)).sound) return place;
     }
@@ -193,7 +213,7 @@ class Reading {
     return frame.bytes > 0 && !isWholeButForItsLength(at) ? next : bytes_.size();
   }
 
-  // Whether a head there has a number in this range, which saves most checksums.
+  // Whether a head there has a number in this range and a kind that is known, which saves most checksums.
   [[nodiscard]] static bool isNumbered(std::string_view bytes, std::uint64_t from, std::uint64_t to) {
     ByteReader in(bytes);
     std::uint32_t length = 0, kind = 0;
@@ -201,7 +221,7 @@ class Reading {
     in.get(length);
     in.get(kind);
     in.get(sequence);
-    return sequence >= from && sequence <= to && length <= bytes.size() - kRecordFrame;
+    return isRecordKind(kind) && sequence >= from && sequence <= to && length <= bytes.size() - kRecordFrame;
   }
 
   static bool usesStamp(const EditCommand& command) { return isStamp(command.kind); }

@@ -27,7 +27,8 @@ struct JournalDamage {
   std::uint64_t records = 0;        // records recognised there, the damaged one included
   std::string reason;               // "record 7 is cut short"
   std::uint64_t last_sequence = 0;  // the highest number that a record there has, or must have
-  std::uint64_t edits_before = 0;   // that the journal began with, if what it began with is damaged
+  bool is_of_beginning = false;     // the journal began with bricks, and these are damaged
+  std::uint64_t edits_before = 0;   // that had made them, by their own damaged word; 0: that cannot be read
   // The record is the last, and its end is missing or zeros: so a session that is killed while it writes leaves it, or
   // whose power is cut. Nobody was told that it is saved.
   bool is_torn_end = false;

@@ -68,6 +68,7 @@ bool goBeyond(const Journal& journal, const fs::path& checkpoints, Volume& volum
   if (!beyond) return false;
   found.mark = beyond->head.mark;
   found.held = {.edits = found.mark.edits, .bricks = std::move(beyond->bricks), .good = {}};
+  found.held.good[beyond->place] = found.mark;  // not to be overwritten first
   found.edits = editsAfter(beyond->head.sequence, journal.damage->later, found.sequence);
   found.begins_with_bricks = true;
   return true;
@@ -117,15 +118,19 @@ Recovered recoverSession(const Journal& journal, const fs::path& folder, const f
     return found;
   }
   const std::uint64_t highest = journal.damage->last_sequence;
-  found.lost_records = found.sequence == 0 ? journal.damage->records + journal.damage->edits_before
-                                           : highest - std::min(found.sequence, highest);
+  // Bricks stand for the edits before.
+  const std::uint64_t here = journal.damage->records - (journal.damage->edits_before > 0 ? 1 : 0);
+  found.lost_records =
+      found.sequence == 0 ? here + journal.damage->edits_before : highest - std::min(found.sequence, highest);
   found.loss = fmt::format("{} is damaged: {}", journalFile(folder).string(), describeDamage(*journal.damage));
   if (is_beyond)
     found.loss += fmt::format(". A checkpoint has the edits up to record {}; {} lost", found.sequence,
                               found.lost_records == 0 ? "nothing is" : recordWords(found.lost_records) + " are");
-  else if (journal.damage->edits_before > 0)
-    found.loss += fmt::format(". It began with the volume as {} earlier edits had made it, which are lost as well",
-                              journal.damage->edits_before);
+  else if (journal.damage->is_of_beginning)
+    found.loss +=
+        fmt::format(". It began with the volume as {} had made it, which are lost as well",
+                    journal.damage->edits_before > 0 ? fmt::format("{} earlier edits", journal.damage->edits_before)
+                                                     : std::string("earlier edits, nobody knows how many,"));
   return found;
 }
 

@@ -38,8 +38,13 @@ void CheckpointKeeper::undone() noexcept {
 
 bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
   if (std::exchange(attempt_.is_new, false)) {
-    if (attempt_.failed) marks_[attempt_.place].reset();
-    not_before_ns_ = attempt_.began_ns + std::llround(attempt_.seconds / kShareForWriting * kNanosecondsPerSecond);
+    constexpr double kAgain_s = 10;  // after a failure
+    if (attempt_.failed) {
+      marks_[attempt_.place].reset();
+      is_alone_ = is_alone_ || attempt_.was_alone;
+    }
+    const double pause_s = std::max(attempt_.seconds / kShareForWriting, attempt_.failed ? kAgain_s : 0);
+    not_before_ns_ = attempt_.began_ns + std::llround(pause_s * kNanosecondsPerSecond);
   }
   const bool are_many = (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0;
   return (is_alone_ || are_many) && now_ns >= not_before_ns_ && state_.mark();
@@ -57,7 +62,7 @@ std::function<void(const Volume&)> CheckpointKeeper::writer(std::int64_t now_ns,
   const std::size_t place = placeForNext();
   const EditMark mark = *state_.mark();
   marks_[place] = mark;
-  attempt_ = {.place = place, .began_ns = now_ns, .is_new = true};
+  attempt_ = {.place = place, .began_ns = now_ns, .was_alone = is_alone_, .is_new = true};
   edits_s_ = 0;
   is_others_ = is_alone_ = false;
   return [this, head = CheckpointHead{mark, journal_, sequence}, place](const Volume& volume) {

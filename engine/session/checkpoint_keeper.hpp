@@ -38,6 +38,9 @@ class CheckpointKeeper {
   void undone() noexcept;
   // The journal begins with the volume as earlier edits have made it, and no other file has these: one is due.
   void journalBeganAnew() noexcept { is_alone_ = true; }
+  [[nodiscard]] bool journalIsAlone() const noexcept { return is_alone_; }
+  // At the end: what is due then does not wait for its turn.
+  void hurry() noexcept { not_before_ns_ = std::numeric_limits<std::int64_t>::min(); }
 
   // When the saver's volume holds every change: whether it is to be written, and what does that with it. `sequence`: of
   // the journal's newest record. The keeper outlives the saver.
@@ -63,7 +66,7 @@ class CheckpointKeeper {
     std::size_t place = 0;
     std::int64_t began_ns = 0;
     double seconds = 0;
-    bool failed = false;
+    bool was_alone = false, failed = false;
     bool is_new = false;
   };
   Attempt attempt_;

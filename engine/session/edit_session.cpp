@@ -141,6 +141,10 @@ void EditSession::keepAbreast() {
   saver_->keepWhole();
 }
 
+void EditSession::noteRenewal() noexcept {
+  if (checkpoints_ && renewal_->takeBegun()) checkpoints_->journalBeganAnew();
+}
+
 bool EditSession::isCopyDue(std::int64_t now_ns) {
   if (!keeps_abreast_) return false;
   if (missing_.size() >= kMostMissing) return true;
@@ -156,7 +160,7 @@ void EditSession::feedSaver(std::int64_t now_ns) {
   const std::size_t more = changed > bricks_left_ ? changed - bricks_left_ : 0;
   bricks_left_ = changed;
   if (!saver_->ready()) return holdBack();
-  if (checkpoints_ && renewal_->takeBegun()) checkpoints_->journalBeganAnew();
+  noteRenewal();
   const bool renewal_due = renewal_ && renewal_->isDue(now_ns);
   const bool copy_due = isCopyDue(now_ns) || renewal_due;
   if (save_period_ns_ == 0 && errands_.empty() && !keeps_abreast_ && !renewal_due) return;
@@ -290,6 +294,7 @@ void EditSession::close() {
   saver_->wait();
   if (journal_) journal_->flush();  // what fails now can still begin anew
   if (renewal_) renewal_->hurry();
+  if (checkpoints_) checkpoints_->hurry();
   const bool save = saves_ && !isSaved();
   for (bool more = true; more && saver_usable_ && !lacks_edits_;) {
     if (keeps_abreast_ && engine_ != nullptr && engine_->broken()) {
@@ -299,7 +304,10 @@ void EditSession::close() {
         break;  // errands are told by their end
       }
     }
-    const bool first = !held_back_.empty() || (renewal_ && renewal_->isDue(kNotSet)), errand = !errands_.empty();
+    noteRenewal();
+    const bool first = !held_back_.empty() || (renewal_ && renewal_->isDue(kNotSet)) ||
+                       (checkpoints_ && checkpoints_->journalIsAlone());
+    const bool errand = !errands_.empty();
     handOver(kBricksAtOnce,
              first    ? Then::kNothing
              : errand ? Then::kErrand

@@ -112,6 +112,7 @@ class EditSession {
  private:
   [[nodiscard]] bool isSaveDue(std::int64_t now_ns) const;
   [[nodiscard]] bool isCopyDue(std::int64_t now_ns);
+  void noteRenewal() noexcept;  // when the saver is ready
   [[nodiscard]] bool isSaved() const;
   [[nodiscard]] std::size_t changedBricks() const noexcept;  // that the copy lacks
   enum class Then { kNothing, kSave, kErrand };              // once no changed brick is left

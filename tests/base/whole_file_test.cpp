@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/whole_file.hpp"
 
+#include <cstring>
 #include <fstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include "base/descriptor.hpp"
 #include "tests/apps/report/temporary_folder.hpp"
 #include "tests/support/as_nobody.hpp"
 #include "tests/support/few_descriptors.hpp"
@@ -72,6 +76,14 @@ TEST_F(WholeFile, IsThereAndMayBeRead) {
   EXPECT_THAT(refusal(""), HasSubstr("cannot be opened"));
   std::filesystem::create_symlink("loop", folder_.path() / "loop");
   EXPECT_THAT(refusal(folder_.path() / "loop"), HasSubstr("cannot be opened"));
+  // Another failure is the system's, and may pass: a socket cannot be opened.
+  const Descriptor socket_there(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
+  const std::filesystem::path listening = folder_.path() / "socket";
+  std::strncpy(address.sun_path, listening.c_str(), sizeof address.sun_path - 1);
+  ASSERT_EQ(bind(socket_there.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_THAT(refusalOf([&] { static_cast<void>(wholeFile(listening, "the list", 1000)); }, Error::Code::kIo),
+              HasSubstr("cannot be opened (No such device or address); see whether its disk can be reached"));
   const std::filesystem::path secret = file("secret");
   std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
   std::filesystem::permissions(secret, std::filesystem::perms::none);

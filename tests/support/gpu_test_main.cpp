@@ -10,6 +10,7 @@
 #include "engine/gpu/gpu.hpp"
 #include "engine/gpu/validation.hpp"
 #include "tests/support/only_file.hpp"
+#include "tests/support/tell_skipped.hpp"
 
 namespace {
 
@@ -45,6 +46,7 @@ class OpenGpu : public testing::Environment {
 int main(int argc, char** argv) {
   setenv("PALPATE_VALIDATION", "1", 1);
   testing::InitGoogleTest(&argc, argv);
+  palpate::tellSkipped();
   if (!palpate::takeOnlyFile(argc, argv)) return 1;
   testing::UnitTest::GetInstance()->listeners().Append(new ValidationListener);
   testing::AddGlobalTestEnvironment(new OpenGpu);

@@ -125,12 +125,15 @@ long openedByTheBroker() {
     message.msg_iovlen = 1;
     message.msg_control = control;
     message.msg_controllen = sizeof control;
-    for (int look = 0; look < 1000; ++look) {  // for 10 s at most
-      const ssize_t got = recvmsg(socket, &message, MSG_DONTWAIT);
-      if (got > 0) break;
-      if (errno != EAGAIN) return 0;
-      usleep(10'000);
+    ssize_t got = -1;
+    for (int look = 0; look < 1000 && got <= 0; ++look) {  // for 10 s at most
+      got = recvmsg(socket, &message, MSG_DONTWAIT);
+      if (got <= 0 && errno != EAGAIN) return 0;
+      if (got <= 0) usleep(10'000);
     }
+    // Refused for what it is, and not for a request that nobody understands.
+    const std::string answer(bytes, static_cast<std::size_t>(std::max<ssize_t>(0, got)));
+    if (answer.find("it is no device of hidraw") == std::string::npos) return 0;
     for (cmsghdr* head = CMSG_FIRSTHDR(&message); head != nullptr; head = CMSG_NXTHDR(&message, head))
       if (head->cmsg_type == SCM_RIGHTS) return 0;
     errno = EACCES;

@@ -152,15 +152,19 @@ void addIndices(WrittenItem& groups, const std::vector<std::int64_t>& indices) {
 }
 
 // Two echoes of two directions at two places. A dimension that counts places divides nothing, even if it counts on from
-// echo to echo, nor does one that goes with the places.
+// echo to echo, nor does one that goes with the places, nor one that counts all frames where others tell them apart.
 TEST_F(DicomFrames, ThatLieAtOnePlaceAreDividedByTheirDimensions) {
   for (const char* syntax : {kLittleEndianDicom, kBigEndianDicom, kImplicitDicom}) {
     SCOPED_TRACE(syntax);
     WrittenItem set = scanAt({0, 2, 0, 2, 0, 2, 0, 2});
-    addDimensions(set, {{0x00200032, "place"}, {0x00189082, "echo"}, {0x00189076, ""}, {0x00181060, "trigger time"}});
+    addDimensions(set, {{0x00200032, "place"},
+                        {0x00209156, "frame"},
+                        {0x00189082, "echo"},
+                        {0x00189076, ""},
+                        {0x00181060, "trigger time"}});
     auto& frames = set[0x52009230].items;
     for (std::int64_t n = 0; n < 8; ++n)
-      addIndices(frames[static_cast<std::size_t>(n)], {n + 1, n / 2 % 2 + 1, n / 4 + 1, n % 2 + 1});
+      addIndices(frames[static_cast<std::size_t>(n)], {n + 1, n + 1, n / 2 % 2 + 1, n / 4 + 1, n % 2 + 1});
     write(set, syntax);
     refuses(
         "the folder holds 4 series: 1: 1.2.3.4.5/0001 echo 1 (0018,9076) 1 (2 slices), 2: 1.2.3.4.5/0002 echo 1 "

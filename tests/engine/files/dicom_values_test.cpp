@@ -434,6 +434,17 @@ TEST_F(DicomValuesOfSeries, OfPaddingStayWhereNothingIsBelow) {
   }
 }
 
+// Of a picture: within its span below it is kept, as -2000 beside a CT is, and -32768 is not.
+TEST_F(DicomValuesOfSeries, OfPaddingFarBelowAPictureAreReplaced) {
+  for (const std::int64_t padding : {-400, -401, -32768}) {
+    WrittenImage image;
+    image.words = {padding, 0, 100, 400, 300, padding};
+    write(image, [&](WrittenItem& set) { set[0x00280120] = numbersOf("SS", {padding}); });
+    const float instead = padding == -400 ? -400 : 0;
+    expectSlices({instead, 0, 100, 400, 300, instead});
+  }
+}
+
 // A mask of which the inside is padding would hold one density if padding became another.
 TEST_F(DicomValuesOfSeries, OfPaddingStayWhereAllElseHasOneDensity) {
   WrittenImage mask;
@@ -696,6 +707,31 @@ TEST_F(DicomValuesOfSeries, OfLossyPackingAreClampedWhereTheyOvershoot) {
       }
     }
   }
+}
+
+// 63536, -2000 in 16 bits, of which twelve are stored: it is padding, neither too many bits nor an overshoot.
+TEST_P(PackedValues, OfPaddingBeyondTheStoredBitsAreWholeWords) {
+  WrittenImage image;
+  image.rows = image.columns = 16;
+  image.is_signed = false;
+  Floats want;
+  for (int n = 0; n < 256; ++n) {
+    image.words.push_back(n < 3 ? 63536 : 16 * n);
+    want.push_back(n < 3 ? -9 : static_cast<float>(16 * n));
+  }
+  write(image, [](WrittenItem& set) { set[0x00280120] = numbersOf("US", {63536}); });
+  for (const char* name : {"s0.dcm", "s1.dcm"}) {
+    std::string packed = packedDicom(readFile(folder_.file(name)), GetParam());
+    const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
+    for (const auto& [element, from, to] : {std::array{0x101, 16, 12}, {0x102, 15, 11}}) {
+      const std::string old = dicomElement(0x28, element, "US", us(from));
+      ASSERT_NE(packed.find(old), std::string::npos);
+      packed.replace(packed.find(old), old.size(), dicomElement(0x28, element, "US", us(to)));
+    }
+    writeFile(folder_.file(name), packed);
+  }
+  expectSlices(want, "?nan=-9");
+  EXPECT_EQ(loadVolume(folder_.path() + "?nan=-9").facts().replaced, 6U);
 }
 
 // A video, HTJ2K, JPEG XL: the file is whole.

@@ -3,6 +3,9 @@
 // had, the newest that anything on the disk leads to, and what is missing is told.
 #include "engine/journal/recovery.hpp"
 
+#include <chrono>
+#include <thread>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -43,6 +46,7 @@ class Recovery : public testing::Test {
       }
       trail.edit({{command}}, false);
       writer.edit({{command}});
+      commands_.push_back(command);
       writer.flush();
       begins_.push_back(writer.bytes());
       states_.push_back(contentHash(volume));
@@ -82,6 +86,7 @@ class Recovery : public testing::Test {
   JournalHeader header_ = sampleHeader(start_);
   std::string bytes_;
   std::vector<std::size_t> begins_;  // of record n + 1
+  std::vector<EditCommand> commands_;
   std::vector<std::uint64_t> states_;
   std::vector<EditMark> marks_;
   std::vector<Volume> volumes_;
@@ -231,7 +236,7 @@ TEST_F(Recovery, OfAJournalWhoseBeginningIsDamaged) {
   const Journal journal = readJournal(next.path());
   const Recovered nothing = recoverSession(journal, next.path(), next.path(), volume);
   EXPECT_EQ(contentHash(volume), states_[0]);
-  EXPECT_EQ(nothing.lost_records, 12U);  // two, and the ten that are in the bricks
+  EXPECT_EQ(nothing.lost_records, 11U);  // the edit, and the ten that are in the bricks
   EXPECT_EQ(nothing.held.edits + nothing.edits.size(), 0U);
   EXPECT_THAT(nothing.loss, HasSubstr("is damaged: 2 records in"));
   EXPECT_THAT(nothing.loss, HasSubstr("the volume as 10 earlier edits had made it, which are lost as well"));
@@ -239,6 +244,51 @@ TEST_F(Recovery, OfAJournalWhoseBeginningIsDamaged) {
   const Recovered found = recoverSession(journal, next.path(), next.path(), volume);
   EXPECT_EQ(contentHash(volume), states_[12]);
   EXPECT_EQ(found.lost_records, 0U);
+}
+
+// One bit of a journal that has begun anew: its bricks stand for ten edits, and its numbers go on from there. Whatever
+// is hit, a checkpoint of the same moment has all, with the sound records behind. Without one all that is lost is told,
+// or that nobody knows how much.
+TEST_F(Recovery, NoBitOfWhatAJournalBeganAnewWithCostsMoreThanIsTold) {
+  const TemporaryFolder place;
+  JournalWriter writer(place.path() / "journal", header_);
+  for (std::size_t n = 0; n < 10; ++n) writer.edit({{commands_[n]}});
+  ASSERT_TRUE(writer.flush());
+  fs::remove_all(place.path() / "journal");
+  EXPECT_FALSE(writer.flush());
+  for (int look = 0; look < 1000 && !writer.failed(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  writer.gatherAnew(10);
+  writer.beginAnew({marks_[10], &volumes_[9], bricks_});
+  for (std::size_t n = 10; n < kEdits; ++n) writer.edit({{commands_[n]}});
+  writer.close();
+  const std::string whole = bytesOf(place.path() / "journal");
+  const std::size_t first = headerBytes(header_).size(), head = first + 48;  // and the mark, and how many bricks
+  int told_without_number = 0;
+  for (std::size_t at = first; at < whole.size(); at += at < head ? 1 : 397) {
+    for (std::size_t bit = at % 8; bit < 8; bit += at < head ? 3 : 8) {
+      SCOPED_TRACE(fmt::format("byte {} bit {}", at, bit));
+      std::string bytes = whole;
+      bytes[at] = static_cast<char>(static_cast<unsigned char>(bytes[at]) ^ 1U << bit);
+      setBytes(folder_.path(), bytes);
+      fs::remove(checkpointFile(folder_.path(), 0));
+      const int back = recover();
+      ASSERT_GE(back, 0);
+      if (found_.loss.find("nobody knows how many") != std::string::npos) {
+        ++told_without_number;
+        EXPECT_EQ(back, 0);
+      } else {
+        EXPECT_GE(found_.lost_records + static_cast<std::size_t>(back), kEdits);
+      }
+      writeCheckpoint(checkpointFile(folder_.path(), 0), {marks_[10], header_.id, 10}, volumes_[9], bricks_);
+      const int with_checkpoint = recover();
+      EXPECT_GE(found_.lost_records + static_cast<std::size_t>(with_checkpoint), kEdits);
+      if (back == 0) {
+        EXPECT_EQ(with_checkpoint, static_cast<int>(kEdits));
+        EXPECT_EQ(found_.lost_records, 0U);
+      }
+    }
+  }
+  EXPECT_LE(told_without_number, 4 * 3);  // of the upper half of that number: three bits of each byte
 }
 
 TEST_F(Recovery, WhatWasNotReadIsPutAsideUnderAFreeName) {

@@ -121,6 +121,21 @@ TEST_F(CheckpointKeepers, WriteOneAtOnceWhereTheJournalBeganAnew) {
   EXPECT_THAT(onDisk(), ElementsAre(1));
 }
 
+// A disk that has no room for it now has some later.
+TEST_F(CheckpointKeepers, TryAgainWhereTheJournalBeganAnew) {
+  edit(0.1);
+  keeper_.journalBeganAnew();
+  {
+    const FileSizeLimit full(100);
+    EXPECT_TRUE(writeIfDue(0));
+  }
+  EXPECT_THAT(onDisk(), IsEmpty());
+  EXPECT_FALSE(writeIfDue(9 * kSecond_ns));
+  EXPECT_TRUE(writeIfDue(10 * kSecond_ns));
+  EXPECT_THAT(onDisk(), ElementsAre(1));
+  EXPECT_FALSE(writeIfDue(100 * kSecond_ns));
+}
+
 // A start goes on where the one before it was: what is made again up to the newer file is in that already.
 TEST_F(CheckpointKeepers, AreNotWrittenAgainForWhatAFileHolds) {
   for (int i = 1; i <= 3; ++i) {
