@@ -80,8 +80,8 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   const VolumeIdentity identity = journal_.empty() ? VolumeIdentity{} : identityOf(*volume_);
   Recovered found;  // in the volume before the engine gets it
   if (journal)
-    found = recoverSession(*journal, request.recovers,
-                           checkpoints ? checkpointFolder(request.recovers) : std::filesystem::path(), *volume_);
+    found =
+        recoverSession(*journal, checkpoints ? checkpointFolder(request.recovers) : std::filesystem::path(), *volume_);
   loss_ = found.loss;
   lost_records_ = found.lost_records;
   if (!loss_.empty()) tell_(loss_);

@@ -22,11 +22,19 @@ struct RecoverArguments {
   std::string folder, out, volume;
 };
 
-// Accepts the journal's file in place of its folder.
-std::string journalFolder(const std::string& given) {
+// A journal's file may be given in place of its folder. One of another name was put aside, or is a copy.
+struct Given {
+  std::string folder;
+  std::string put_aside;  // empty: the folder's own
+};
+Given journalOf(const std::string& given) {
   const std::filesystem::path path(given);
-  if (path.filename() != kJournalName || std::filesystem::is_directory(path)) return given;
-  return path.has_parent_path() ? path.parent_path().string() : ".";
+  std::error_code ignored;
+  const bool is_named = path.filename() == kJournalName && !std::filesystem::is_directory(path, ignored);
+  const bool is_file = std::filesystem::is_regular_file(path, ignored);
+  if (!is_named && !is_file) return {countingJournal(given).string(), {}};
+  const std::string folder = path.has_parent_path() ? path.parent_path().string() : ".";
+  return is_named ? Given{countingJournal(folder).string(), {}} : Given{folder, given};
 }
 
 Volume loadStart(const RecoverArguments& arguments, const std::string& source, Progress& progress) {
@@ -50,12 +58,12 @@ std::string editsInWords(const Journal& journal, const Recovered& found) {
 }
 
 void recover(const RecoverArguments& arguments) {
-  const std::string folder = countingJournal(journalFolder(arguments.folder)).string();
+  const auto& [folder, put_aside] = journalOf(arguments.folder);
   ConvertRequest output{.in = folder, .out = arguments.out};
   checkOutput(output);
   Progress progress;
-  progress.stage("reading " + folder);
-  const Journal journal = readJournal(folder);
+  progress.stage("reading " + (put_aside.empty() ? folder : put_aside));
+  const Journal journal = put_aside.empty() ? readJournal(folder) : readJournalFile(put_aside);
   const std::string source = arguments.volume.empty() ? journal.header.volume.source : arguments.volume;
   checkNotInput(source, arguments.out);
   AtomicFile file(arguments.out, Rights::kPrivate);
@@ -63,7 +71,7 @@ void recover(const RecoverArguments& arguments) {
   Volume volume = loadStart(arguments, source, progress);
   checkStart(journal, volume, source);
   progress.stage("applying the edits");
-  const Recovered found = recoverSession(journal, folder, checkpointFolder(folder), volume);
+  const Recovered found = recoverSession(journal, checkpointFolder(folder), volume);
   makeEdits(found.edits, journal.header.profile, volume, [&](double done) {
     throwIfInterrupted("palpate recover");
     progress.fraction(done);

@@ -109,7 +109,10 @@ ServedEngine::ServedEngine(const Scene& scene, const std::filesystem::path& jour
 
 void ServedEngine::takeOver() {
   if (const auto aside = journal_->takeOver(live_->loss().empty()); !aside.empty())
-    tell_(fmt::format("the journal that could not be read to its end is kept as {}", aside.string()));
+    tell_(fmt::format(
+        "the journal that could not be read to its end is kept as {}: 'palpate recover {} --out FILE' makes "
+        "a volume of what can be read",
+        aside.string(), aside.string()));
   journal_counts_ = true;
 }
 

@@ -245,12 +245,18 @@ Journal readJournal(const std::filesystem::path& folder) {
                                                                  : "there is no such folder";
     throw Error(Error::Code::kNotFound, folder.string(), reason, "name the folder that --journal was given");
   }
+  return readJournalFile(file);
+}
+
+Journal readJournalFile(const std::filesystem::path& file) {
+  std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored)) {
     throw Error(Error::Code::kBadInput, file.string(), "it is no plain file, so it is no journal",
                 "move it away, and name the folder that --journal was given");
   }
   const std::string bytes = wholeFile(file, "the journal");
   Journal journal;
+  journal.file = file;
   const std::size_t first = readHeader(bytes, file.string(), journal.header);
   Reading(bytes).readRecords(first, journal);
   return journal;

@@ -44,6 +44,7 @@ struct JournalBase {
 };
 
 struct Journal {
+  std::filesystem::path file;
   JournalHeader header;
   std::optional<JournalBase> base;     // whole; one that is not is damage from the first record on
   std::vector<JournalRecord> records;  // in order
@@ -53,6 +54,9 @@ struct Journal {
 
 // Throws Error: kNotFound (no such folder, or no journal in it), kIo, and kBadInput as readHeader does.
 [[nodiscard]] Journal readJournal(const std::filesystem::path& folder);
+
+// The same of a file, whatever its name: one that was put aside (recovery.hpp), or brought back from a copy.
+[[nodiscard]] Journal readJournalFile(const std::filesystem::path& file);
 
 // The damage as text: "12 records in 3456 bytes from byte 789 on, as record 7 is cut short"
 [[nodiscard]] std::string describeDamage(const JournalDamage& damage);

@@ -103,7 +103,7 @@ void goThrough(const Journal& journal, const fs::path& checkpoints, Volume& volu
 
 }  // namespace
 
-Recovered recoverSession(const Journal& journal, const fs::path& folder, const fs::path& checkpoints, Volume& volume) {
+Recovered recoverSession(const Journal& journal, const fs::path& checkpoints, Volume& volume) {
   Recovered found;
   found.header = journal.header;
   found.mark = *EditTrail(journal.header).mark();
@@ -114,7 +114,7 @@ Recovered recoverSession(const Journal& journal, const fs::path& folder, const f
     found.loss = fmt::format(
         "{} ends in a record that was being written when its session ended, and nobody was told "
         "that it is saved: {}",
-        journalFile(folder).string(), describeDamage(*journal.damage));
+        journal.file.string(), describeDamage(*journal.damage));
     return found;
   }
   const std::uint64_t highest = journal.damage->last_sequence;
@@ -122,7 +122,7 @@ Recovered recoverSession(const Journal& journal, const fs::path& folder, const f
   const std::uint64_t here = journal.damage->records - (journal.damage->edits_before > 0 ? 1 : 0);
   found.lost_records =
       found.sequence == 0 ? here + journal.damage->edits_before : highest - std::min(found.sequence, highest);
-  found.loss = fmt::format("{} is damaged: {}", journalFile(folder).string(), describeDamage(*journal.damage));
+  found.loss = fmt::format("{} is damaged: {}", journal.file.string(), describeDamage(*journal.damage));
   if (is_beyond)
     found.loss += fmt::format(". A checkpoint has the edits up to record {}; {} lost", found.sequence,
                               found.lost_records == 0 ? "nothing is" : recordWords(found.lost_records) + " are");
@@ -131,6 +131,9 @@ Recovered recoverSession(const Journal& journal, const fs::path& folder, const f
         fmt::format(". It began with the volume as {} had made it, which are lost as well",
                     journal.damage->edits_before > 0 ? fmt::format("{} earlier edits", journal.damage->edits_before)
                                                      : std::string("earlier edits, nobody knows how many,"));
+  const std::size_t back = found.held.edits + found.edits.size();
+  found.loss += fmt::format(". {} edit{} back", back, back == 1 ? " is" : "s are");
+  if (!is_beyond) found.loss += fmt::format(", {} are lost", recordWords(found.lost_records));
   return found;
 }
 

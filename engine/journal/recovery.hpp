@@ -42,10 +42,10 @@ struct Recovered {
   bool begins_with_bricks = false;
 };
 
-// Brings back what the journal of `folder` holds, with the checkpoints of another folder (empty: without any), and puts
+// Brings back what the journal holds, with the checkpoints of a folder (empty: without any), and puts
 // what it can into `volume`, the one that the session began with (checkStart()).
-[[nodiscard]] Recovered recoverSession(const Journal& journal, const std::filesystem::path& folder,
-                                       const std::filesystem::path& checkpoints, Volume& volume);
+[[nodiscard]] Recovered recoverSession(const Journal& journal, const std::filesystem::path& checkpoints,
+                                       Volume& volume);
 
 // Keeps a journal that was not read to its end: moves it out of the way, to a name beside it that is free
 // ("journal-unread-1.palpate"), and returns that. Throws Error(kIo).

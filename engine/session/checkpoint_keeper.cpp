@@ -47,7 +47,7 @@ bool CheckpointKeeper::isDue(std::int64_t now_ns) noexcept {
     not_before_ns_ = attempt_.began_ns + std::llround(pause_s * kNanosecondsPerSecond);
   }
   const bool are_many = (is_others_ || edits_s_ >= edits_between_s_) && edits_s_ > 0;
-  return (is_alone_ || are_many) && now_ns >= not_before_ns_ && state_.mark();
+  return (is_alone_ || are_many) && (hurries_ || now_ns >= not_before_ns_) && state_.mark();
 }
 
 // The newest stays, and the one before goes.

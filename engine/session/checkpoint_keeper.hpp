@@ -38,9 +38,10 @@ class CheckpointKeeper {
   void undone() noexcept;
   // The journal begins with the volume as earlier edits have made it, and no other file has these: one is due.
   void journalBeganAnew() noexcept { is_alone_ = true; }
-  [[nodiscard]] bool journalIsAlone() const noexcept { return is_alone_; }
-  // At the end: what is due then does not wait for its turn.
-  void hurry() noexcept { not_before_ns_ = std::numeric_limits<std::int64_t>::min(); }
+  // Whether one of these is due and can be written.
+  [[nodiscard]] bool journalIsAlone() const noexcept { return is_alone_ && state_.mark(); }
+  // At the end: what is due does not wait for its turn any more.
+  void hurry() noexcept { hurries_ = true; }
 
   // When the saver's volume holds every change: whether it is to be written, and what does that with it. `sequence`: of
   // the journal's newest record. The keeper outlives the saver.
@@ -60,6 +61,7 @@ class CheckpointKeeper {
   double edits_s_ = 0;      // that the newest checkpoint lacks
   bool is_others_ = false;  // the newest checkpoint is of the journal before
   bool is_alone_ = false;   // the journal has what no checkpoint has
+  bool hurries_ = false;
   std::int64_t not_before_ns_ = std::numeric_limits<std::int64_t>::min();
   // Of the last one that was begun. The saver's thread writes them before it is ready again.
   struct Attempt {

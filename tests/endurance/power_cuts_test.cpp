@@ -223,7 +223,7 @@ std::optional<std::uint64_t> recovered(const fs::path& place, Counts& counts) {
   if (!fs::exists(journalFile(folder))) return std::nullopt;
   Volume volume = loadVolume("phantom:sphere?size=16");
   const Journal journal = readJournal(folder);
-  const Recovered found = recoverSession(journal, folder, checkpointFolder(folder), volume);
+  const Recovered found = recoverSession(journal, checkpointFolder(folder), volume);
   counts.told_of_losses += found.lost_records > 0;
   counts.from_checkpoints += !found.before.empty() || found.begins_with_bricks;
   makeEdits(found.edits, journal.header.profile, volume);

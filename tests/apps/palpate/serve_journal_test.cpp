@@ -42,6 +42,7 @@ TEST_F(ServeJournal, SaysWhatAJournalHasLost) {
   EXPECT_EQ(status()["undoable"], 2);
   const std::string log = contentsOf(file("serve.log"));
   EXPECT_THAT(log, HasSubstr("is damaged: 8 records in"));
+  EXPECT_THAT(log, HasSubstr(". 2 edits are back, 8 records are lost"));
   EXPECT_THAT(log, HasSubstr("kept as journal/journal-unread-1.palpate"));
   EXPECT_THAT(run({"top", "--count", "1"}).out, HasSubstr("  -8  "));
   EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);
@@ -49,6 +50,11 @@ TEST_F(ServeJournal, SaysWhatAJournalHasLost) {
   EXPECT_EQ(contentHash(loadVolume(file("served.vdb").string())), contentHash(loadVolume(file("back.vdb").string())));
   expectSuccess(ctl({"stop"}));
   EXPECT_EQ(contentsOf(file("journal/journal-unread-1.palpate")), bytes);
+  // It can be read where it lies.
+  const Outcome aside = run({"recover", "journal/journal-unread-1.palpate", "--out", "aside.vdb"});
+  EXPECT_EQ(aside.status, 4);
+  EXPECT_THAT(aside.err, HasSubstr("journal-unread-1.palpate is damaged: 8 records in"));
+  EXPECT_EQ(contentHash(loadVolume(file("aside.vdb").string())), contentHash(loadVolume(file("back.vdb").string())));
 }
 
 // 300 edits, a checkpoint of most of them, and damage near the journal's beginning: the checkpoint and what follows it

@@ -73,7 +73,7 @@ class Recovery : public testing::Test {
   int recover() {
     Volume volume = sampleVolume();
     const Journal journal = readJournal(folder_.path());
-    found_ = recoverSession(journal, folder_.path(), folder_.path(), volume);
+    found_ = recoverSession(journal, folder_.path(), volume);
     makeEdits(found_.edits, header_.profile, volume);
     const auto state = std::find(states_.begin(), states_.end(), contentHash(volume));
     if (state == states_.end()) return -1;
@@ -192,7 +192,7 @@ TEST_F(Recovery, IsTheBeginningOfTheNextJournal) {
   checkpoint(0, 10);
   const TemporaryFolder next;
   Volume volume = sampleVolume();
-  found_ = recoverSession(readJournal(folder_.path()), folder_.path(), folder_.path(), volume);
+  found_ = recoverSession(readJournal(folder_.path()), folder_.path(), volume);
   {
     JournalHeader header = header_;
     header.id = 79;
@@ -207,7 +207,7 @@ TEST_F(Recovery, IsTheBeginningOfTheNextJournal) {
   for (const bool with_checkpoint : {false, true}) {
     if (with_checkpoint) writeCheckpoint(checkpointFile(next.path(), 0), {marks_[18], 79, 9}, volumes_[17], bricks_);
     Volume back = sampleVolume();
-    const Recovered again = recoverSession(journal, next.path(), next.path(), back);
+    const Recovered again = recoverSession(journal, next.path(), back);
     EXPECT_EQ(again.held.edits, with_checkpoint ? 18U : 10U);
     EXPECT_TRUE(again.before.empty());  // they are in the bricks, and are not to be made again
     EXPECT_TRUE(again.begins_with_bricks);
@@ -234,14 +234,14 @@ TEST_F(Recovery, OfAJournalWhoseBeginningIsDamaged) {
   setBytes(next.path(), bytes);
   Volume volume = sampleVolume();
   const Journal journal = readJournal(next.path());
-  const Recovered nothing = recoverSession(journal, next.path(), next.path(), volume);
+  const Recovered nothing = recoverSession(journal, next.path(), volume);
   EXPECT_EQ(contentHash(volume), states_[0]);
   EXPECT_EQ(nothing.lost_records, 11U);  // the edit, and the ten that are in the bricks
   EXPECT_EQ(nothing.held.edits + nothing.edits.size(), 0U);
   EXPECT_THAT(nothing.loss, HasSubstr("is damaged: 2 records in"));
   EXPECT_THAT(nothing.loss, HasSubstr("the volume as 10 earlier edits had made it, which are lost as well"));
   writeCheckpoint(checkpointFile(next.path(), 0), {marks_[12], 79, 2}, volumes_[11], bricks_);
-  const Recovered found = recoverSession(journal, next.path(), next.path(), volume);
+  const Recovered found = recoverSession(journal, next.path(), volume);
   EXPECT_EQ(contentHash(volume), states_[12]);
   EXPECT_EQ(found.lost_records, 0U);
 }

@@ -98,7 +98,7 @@ class Failing {
       Volume back = sampleVolume();
       const Journal journal = readJournal(place_);
       ASSERT_FALSE(journal.damage);
-      const Recovered found = recoverSession(journal, place_, has_checkpoints ? place_ : fs::path(), back);
+      const Recovered found = recoverSession(journal, has_checkpoints ? place_ : fs::path(), back);
       makeEdits(found.edits, header_.profile, back);
       ASSERT_EQ(contentHash(back), at_record_.at(found.sequence)) << found.sequence;
       ASSERT_GE(found.sequence, session_.journal()->acknowledged());
@@ -205,41 +205,47 @@ TEST(JournalRenewal, NothingAcknowledgedIsLost) {
   EXPECT_GE(behind, 4);
 }
 
-// What a journal begins with is in one place. A checkpoint follows at once, and nothing depends on a single bit.
+// What a journal begins with is in one place. A checkpoint follows at once, or at the session's end, and nothing
+// depends on a single bit. On a full disk it fails, and the end does not wait for it.
 TEST(JournalRenewal, WhatItBeginsWithIsCopied) {
-  const TemporaryFolder folder;
-  const fs::path place = folder.path() / "journal";
-  Session s;
-  s.session.keepJournal(place, s.header.volume);
-  s.session.keepSaved(s.volume, {}, 0);
-  s.session.keepAbreast();
-  s.session.keepCheckpoints(place, {}, {}, {});
-  auto feed = [&, now_ns = std::int64_t{0}]() mutable {
-    s.session.feedSaver(now_ns += 10 * kSecond_ns);
-    s.session.saver()->wait();
-  };
-  EditCommand command = dab(0);
-  command.from_W = command.to_W = s.volume.lattice().toWorld({13, 10, 9});
-  s.session.edit({{command}}, 0);
-  EXPECT_TRUE(s.session.flushJournal());
-  fs::remove_all(place);
-  EXPECT_FALSE(s.session.flushJournal());
-  feed();
-  ASSERT_TRUE(s.session.flushJournal());
-  std::string bytes = bytesOf(place);
-  bytes[bytes.size() - 40] ^= 1;
-  setBytes(place, bytes);
-  const Journal journal = readJournal(place);
-  const auto recover = [&] {
-    Volume back = sampleVolume();
-    Recovered found = recoverSession(journal, place, place, back);
-    return std::pair(std::move(found), contentHash(back));
-  };
-  EXPECT_EQ(recover().first.lost_records, 1U);  // that made the bricks
-  feed();
-  const auto [found, content] = recover();
-  EXPECT_EQ(found.lost_records, 0U);
-  EXPECT_EQ(content, s.hash());
+  for (const bool is_at_end : {false, true}) {
+    for (const bool is_full : {false, true}) {
+      SCOPED_TRACE(fmt::format("at the end {}, full {}", is_at_end, is_full));
+      const TemporaryFolder folder;
+      const fs::path place = folder.path() / "journal";
+      Session s;
+      s.session.keepJournal(place, s.header.volume);
+      s.session.keepSaved(s.volume, {}, 0);
+      s.session.keepAbreast();
+      s.session.keepCheckpoints(place, {}, {}, [](const std::string&) {});
+      auto feed = [&, now_ns = std::int64_t{0}]() mutable {
+        s.session.feedSaver(now_ns += 10 * kSecond_ns);
+        s.session.saver()->wait();
+      };
+      EditCommand command = dab(0);
+      command.from_W = command.to_W = s.volume.lattice().toWorld({13, 10, 9});
+      s.session.edit({{command}}, 0);
+      EXPECT_TRUE(s.session.flushJournal());
+      fs::remove_all(place);
+      EXPECT_FALSE(s.session.flushJournal());
+      feed();
+      ASSERT_TRUE(s.session.flushJournal());
+      const std::uint64_t content = s.hash();
+      {
+        std::optional<FileSizeLimit> full;
+        if (is_full) full.emplace(100);
+        if (!is_at_end || is_full) feed();
+        if (is_at_end) s.session.close();
+      }
+      std::string bytes = bytesOf(place);
+      bytes[bytes.size() - 40] ^= 1;
+      setBytes(place, bytes);
+      Volume back = sampleVolume();
+      const Recovered found = recoverSession(readJournal(place), place, back);
+      EXPECT_EQ(found.lost_records, is_full ? 1U : 0U);  // that made the bricks
+      EXPECT_EQ(contentHash(back), is_full ? contentHash(sampleVolume()) : content);
+    }
+  }
 }
 
 // A copy of the volume that is incomplete is no beginning: nobody waits for one then.
