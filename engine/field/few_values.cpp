@@ -77,7 +77,8 @@ class StepCount {
       for (int k = first.z(); k < last.z(); ++k) {
         for (int j = first.y(); j < last.y(); ++j) {
           for (int i = first.x(); i < last.x(); ++i) {
-            const float* middle = &values[static_cast<std::size_t>((k * kBrickSize + j) * kBrickSize + i)];
+            const float* middle =
+                &values[static_cast<std::size_t>((std::ptrdiff_t{k} * kBrickSize + j) * kBrickSize + i)];
             addLine(middle[-kStride[static_cast<std::size_t>(axis)]], *middle,
                     middle[kStride[static_cast<std::size_t>(axis)]]);
           }

@@ -52,7 +52,8 @@ class Neighbourhood {
   // A voxel beyond the end of an axis of one voxel is that voxel.
   [[nodiscard]] double at(const Vec3i& voxel) const {
     const Vec3i place = (voxel - first_).cwiseMin(size_ - Vec3i::Ones());
-    return values_[static_cast<std::size_t>((place.z() * size_.y() + place.y()) * size_.x() + place.x())];
+    return values_[static_cast<std::size_t>((std::ptrdiff_t{place.z()} * size_.y() + place.y()) * size_.x() +
+                                            place.x())];
   }
 
  private:

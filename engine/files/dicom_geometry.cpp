@@ -118,7 +118,7 @@ Vec3 stepAside(const DicomSeries& series, const std::string& source, bool tilted
     refuse(source, pairOf(series, shifted) + " are shifted sideways, as under a tilted gantry",
            "give --resample, or resample the series upright");
   }
-  const Vec3 step = asideOf(series.front(), series.back(), normal) / static_cast<double>(series.size() - 1);
+  Vec3 step = asideOf(series.front(), series.back(), normal) / static_cast<double>(series.size() - 1);
   for (std::size_t n = 1; n < series.size(); ++n) {
     if ((asideOf(series[n - 1], series[n], normal) - step).norm() <= kLateralTolerance * pixel_mm) continue;
     refuse(source, pairOf(series, n) + " are shifted sideways by another step than the others",
@@ -143,7 +143,7 @@ DicomBlock placeSlices(DicomSeries& series, const std::string& source, bool tilt
   checkAlike(series, source);
   const double gap_mm = checkGaps(series, source);
   const Vec3 aside_mm = stepAside(series, source, tilted_too);
-  const DicomBlock block = {latticeOf(series[0], gap_mm, source), std::atan2(aside_mm.norm(), gap_mm)};
+  DicomBlock block = {latticeOf(series[0], gap_mm, source), std::atan2(aside_mm.norm(), gap_mm)};
   for (DicomSlice& slice : series) {
     const Vec3 from_first_mm = slice.position_mm - series[0].position_mm;
     for (std::size_t axis = 0; axis < 2; ++axis) {

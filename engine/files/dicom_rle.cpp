@@ -61,7 +61,8 @@ bool rleFits(std::string_view frame, double pixels, double planes) {
 
 bool unpackRle(std::string_view frame, std::size_t word_bytes, std::span<char> words) {
   constexpr bool kLowestFirst = std::endian::native == std::endian::little;
-  const auto pixels = static_cast<double>(words.size() / word_bytes);
+  const std::size_t count = words.size() / word_bytes;
+  const auto pixels = static_cast<double>(count);
   return forEachPlane(frame, static_cast<double>(word_bytes), [&](std::size_t n, std::string_view plane) {
     std::size_t at = kLowestFirst ? word_bytes - 1 - n : n;
     return forEachRun(plane, pixels, [&](std::string_view bytes, std::size_t repeat) {

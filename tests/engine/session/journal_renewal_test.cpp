@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,9 +29,9 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 class Failing {
  public:
   Failing(unsigned seed, bool is_served)
-      : random_(seed), edits_(volume.size(), volume.lattice(), kLow, kHigh, seed), is_served_(is_served) {
+      : random_(seed), edits_(volume_.size(), volume_.lattice(), kLow, kHigh, seed), is_served_(is_served) {
     session_.keepJournal(place_, header_.volume);
-    session_.keepSaved(volume, {}, 0);
+    session_.keepSaved(volume_, {}, 0);
     if (is_served_) {
       session_.keepAbreast();
       session_.keepCheckpoints(
@@ -53,7 +54,7 @@ class Failing {
         if (!is_served_ || std::bernoulli_distribution(0.5)(random_)) return;
         session_.leaveEngine();
         engine_.reset();
-        engine_ = std::make_unique<Engine>(volume, makePlan({}), 30, "");
+        engine_ = std::make_unique<Engine>(volume_, makePlan({}), 30, "");
         return session_.goOnWith(*engine_);
       case 5:
         full_.reset();
@@ -87,7 +88,7 @@ class Failing {
     session_.close();  // the last try, if it was not
     ASSERT_FALSE(session_.journal()->failed());
     comeBack();
-    EXPECT_EQ(contentHash(volume), contents_[done_]);
+    EXPECT_EQ(contentHash(volume_), contents_[done_]);
   }
 
   // Killed at this moment.
@@ -172,8 +173,8 @@ class Failing {
   std::mt19937 random_;
   TemporaryFolder folder_;
   const fs::path place_ = folder_.path() / "journal";
-  Volume volume = sampleVolume(), twin_ = sampleVolume();
-  JournalHeader header_ = sampleHeader(volume);
+  Volume volume_ = sampleVolume(), twin_ = sampleVolume();
+  JournalHeader header_ = sampleHeader(volume_);
   RandomEdits edits_;
   const bool is_served_;
   std::int64_t now_ns_ = 0;
@@ -183,7 +184,7 @@ class Failing {
   std::vector<std::uint64_t> contents_;               // by edits in effect
   std::map<std::uint64_t, std::uint64_t> at_record_;  // by the number of the newest record
   std::optional<FileSizeLimit> full_;
-  std::unique_ptr<Engine> engine_ = std::make_unique<Engine>(volume, makePlan({}), 30, "");
+  std::unique_ptr<Engine> engine_ = std::make_unique<Engine>(volume_, makePlan({}), 30, "");
   EditSession session_{*engine_, header_.profile, {}, kMuch};
 };
 
