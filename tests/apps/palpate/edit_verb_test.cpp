@@ -212,7 +212,8 @@ TEST_F(EditVerb, RecoverSaysWhatItMayBeGiven) {
   expectSuccess(recovered);
   EXPECT_THAT(recovered.out, HasSubstr("Journal   1 edit, 0 undone; newest record 1\n"));
   EXPECT_EQ(contentsOf(file("back.nrrd")), contentsOf(file("out.nrrd")));
-  expectRefusal(run({"recover", "in.vdb", "--out", "a.nrrd"}), "in.vdb", "it is no folder; name the folder that", 3);
+  expectRefusal(run({"recover", "in.vdb", "--out", "a.nrrd"}), "in.vdb",
+                "it is no journal of Palpate; name the folder that", 2);
   expectRefusal(run({"recover", "none", "--out", "a.nrrd"}), "none", "there is no such folder", 3);
   expectRefusal(run({"recover", ".", "--out", "a.nrrd"}), ".", "there is no journal.palpate in it", 3);
   expectRefusal(run({"recover", "journal", "--out", "a.nrrd", "--volume", ""}), "--volume", "'' is empty", 2);
