@@ -15,7 +15,18 @@ namespace serve_journal_test {
 
 using testing::HasSubstr;
 
-class ServeJournal : public ServedSphere {};
+class ServeJournal : public ServedSphere {
+ protected:
+  // "before.vdb" was saved; the journal is where the service keeps it.
+  void expectAllBackAfterAKill(const std::string& journal) {
+    engine.end(SIGKILL);
+    serve({kServedSphere, "--journal", journal});
+    ASSERT_TRUE(awaitService());
+    EXPECT_EQ(status()["lost_records"], 0);
+    expectSuccess(ctl({"save", "back.vdb"}));
+    EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), contentHash(loadVolume(file("before.vdb").string())));
+  }
+};
 
 // Ten edits were answered, and the third is damaged: the service says what is missing wherever one may look, and keeps
 // the file.
@@ -117,12 +128,7 @@ TEST_F(ServeJournal, AJournalThatIsRemovedBeginsAnew) {
   EXPECT_TRUE(await([](const nlohmann::json& now) { return now["journal_failed"] == 0; }));
   const Descriptor lock(open(file("journal/in-use").c_str(), O_RDWR | O_CLOEXEC));
   EXPECT_NE(flock(lock.get(), LOCK_EX | LOCK_NB), 0) << "another service may begin there";
-  engine.end(SIGKILL);
-  serve({kServedSphere, "--journal", "journal"});
-  ASSERT_TRUE(awaitService());
-  EXPECT_EQ(status()["lost_records"], 0);
-  expectSuccess(ctl({"save", "back.vdb"}));
-  EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), contentHash(loadVolume(file("before.vdb").string())));
+  ASSERT_NO_FATAL_FAILURE(expectAllBackAfterAKill("journal"));
 }
 
 // A disk that gets full, then has room, then is too full for the next start to write its edits down again.
@@ -147,12 +153,7 @@ TEST_F(ServeJournal, AJournalOnAFullDiskBeginsAnewWhenThereIsRoom) {
   ASSERT_TRUE(await([](const nlohmann::json& now) { return now["journal_failed"] == 0; }));
   expectSuccess(makeEdit());
   expectSuccess(ctl({"save", "before.vdb"}));
-  engine.end(SIGKILL);
-  serve({kServedSphere, "--journal", "disk/journal"});
-  ASSERT_TRUE(awaitService());
-  EXPECT_EQ(status()["lost_records"], 0);
-  expectSuccess(ctl({"save", "back.vdb"}));
-  EXPECT_EQ(contentHash(loadVolume(file("back.vdb").string())), contentHash(loadVolume(file("before.vdb").string())));
+  ASSERT_NO_FATAL_FAILURE(expectAllBackAfterAKill("disk/journal"));
   engine.end(SIGKILL);
 }
 
