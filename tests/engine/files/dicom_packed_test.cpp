@@ -11,7 +11,30 @@ namespace dicom_packed_test {
 using Floats = std::vector<float>;
 
 // GDCM unpacks, and the words mean what they would mean if they were not packed.
-class DicomPacked : public TwoDicomSlices {};
+class DicomPacked : public TwoDicomSlices {
+ protected:
+  // An element of the image's description (group 0028), and what it says now and then.
+  struct Restated {
+    int element, from, to;
+  };
+  // Packs both slices. Their files afterwards say something else of the pixels, and of the transfer syntax.
+  void pack(DicomPacking packing, const std::vector<Restated>& elements = {}, const std::string& syntax = "",
+            const std::string& other_syntax = "") const {
+    for (const char* name : {"s0.dcm", "s1.dcm"}) {
+      std::string packed = packedDicom(readFile(folder_.file(name)), packing);
+      const auto replace = [&](const std::string& old, const std::string& by) {
+        ASSERT_NE(packed.find(old), std::string::npos);
+        packed.replace(packed.find(old), old.size(), by);
+      };
+      const auto element = [](int number, int value) {
+        return dicomElement(0x28, number, "US", bytesOf<std::uint16_t>({static_cast<double>(value)}));
+      };
+      if (!syntax.empty()) replace(syntax, other_syntax);
+      for (const Restated& one : elements) replace(element(one.element, one.from), element(one.element, one.to));
+      writeFile(folder_.file(name), packed);
+    }
+  }
+};
 class PackedValues : public DicomPacked, public testing::WithParamInterface<DicomPacking> {};
 INSTANTIATE_TEST_SUITE_P(Packings, PackedValues,
                          testing::Values(DicomPacking::kRle, DicomPacking::kJpegLossless, DicomPacking::kJpegLs,
@@ -58,15 +81,7 @@ TEST_F(DicomPacked, OfLessThanEightBitsAreNotReadFromJpeg) {
   image.is_signed = false;
   for (int n = 0; n < 256; ++n) image.words.push_back(n / 2);
   write(image);
-  for (const char* name : {"s0.dcm", "s1.dcm"}) {
-    std::string packed = packedDicom(readFile(folder_.file(name)), DicomPacking::kJpegLossless);
-    for (const auto& [element, from, to] : {std::array{0x101, 8, 7}, {0x102, 7, 6}}) {
-      const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
-      const std::string old = dicomElement(0x28, element, "US", us(from));
-      packed.replace(packed.find(old), old.size(), dicomElement(0x28, element, "US", us(to)));
-    }
-    writeFile(folder_.file(name), packed);
-  }
+  pack(DicomPacking::kJpegLossless, {{0x101, 8, 7}, {0x102, 7, 6}});
   refuses("slice s0.dcm is packed, and has 7 bits (BitsStored) in pixels of 8; unpack the series in another program");
 }
 
@@ -88,16 +103,7 @@ TEST_P(PackedValues, OfEightBitsInWiderWordsAreWidened) {
         want.push_back(static_cast<float>(value));
       }
       write(image);
-      for (const char* name : {"s0.dcm", "s1.dcm"}) {
-        std::string packed = packedDicom(readFile(folder_.file(name)), GetParam());
-        const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
-        for (const auto& [element, from, to] :
-             {std::array{0x100, 8, allocated}, {0x101, 8, stored}, {0x102, 7, stored - 1}}) {
-          const std::string old = dicomElement(0x28, element, "US", us(from));
-          packed.replace(packed.find(old), old.size(), dicomElement(0x28, element, "US", us(to)));
-        }
-        writeFile(folder_.file(name), packed);
-      }
+      pack(GetParam(), {{0x100, 8, allocated}, {0x101, 8, stored}, {0x102, 7, stored - 1}});
       if (GetParam() == DicomPacking::kRle) {
         refuses("slice s0.dcm is cut short or damaged");  // a byte plane is missing
       } else {
@@ -124,18 +130,7 @@ TEST_F(DicomPacked, OfLossyPackingAreClampedWhereTheyOvershoot) {
     }
     for (const bool loses : {false, true}) {
       write(image);
-      for (const char* name : {"s0.dcm", "s1.dcm"}) {
-        std::string packed = packedDicom(readFile(folder_.file(name)), packing);
-        const auto replace = [&](const std::string& old, const std::string& by) {
-          ASSERT_NE(packed.find(old), std::string::npos);
-          packed.replace(packed.find(old), old.size(), by);
-        };
-        const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
-        if (loses) replace(lossless, lossy);
-        replace(dicomElement(0x28, 0x101, "US", us(16)), dicomElement(0x28, 0x101, "US", us(12)));
-        replace(dicomElement(0x28, 0x102, "US", us(15)), dicomElement(0x28, 0x102, "US", us(11)));
-        writeFile(folder_.file(name), packed);
-      }
+      pack(packing, {{0x101, 16, 12}, {0x102, 15, 11}}, loses ? lossless : "", loses ? lossy : "");
       if (loses) {
         expectSlices(want);
         EXPECT_EQ(loadVolume(folder_.path()).facts().remark,
@@ -159,16 +154,7 @@ TEST_P(PackedValues, OfPaddingBeyondTheStoredBitsAreWholeWords) {
     want.push_back(n < 3 ? -9 : static_cast<float>(16 * n));
   }
   write(image, [](WrittenItem& set) { set[0x00280120] = numbersOf("US", {63536}); });
-  for (const char* name : {"s0.dcm", "s1.dcm"}) {
-    std::string packed = packedDicom(readFile(folder_.file(name)), GetParam());
-    const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
-    for (const auto& [element, from, to] : {std::array{0x101, 16, 12}, {0x102, 15, 11}}) {
-      const std::string old = dicomElement(0x28, element, "US", us(from));
-      ASSERT_NE(packed.find(old), std::string::npos);
-      packed.replace(packed.find(old), old.size(), dicomElement(0x28, element, "US", us(to)));
-    }
-    writeFile(folder_.file(name), packed);
-  }
+  pack(GetParam(), {{0x101, 16, 12}, {0x102, 15, 11}});
   expectSlices(want, "?nan=-9");
   EXPECT_EQ(loadVolume(folder_.path() + "?nan=-9").facts().replaced, 6U);
 }
@@ -198,16 +184,7 @@ TEST_P(PackedValues, WithAnotherHighBitAreReadFromRleAlone) {
   image.rows = image.columns = 16;
   for (int n = 0; n < 256; ++n) image.words.push_back(n);
   write(image);
-  for (const char* name : {"s0.dcm", "s1.dcm"}) {
-    std::string packed = packedDicom(readFile(folder_.file(name)), GetParam());
-    const auto replace = [&](int element, int from, int to) {
-      const auto us = [](int value) { return bytesOf<std::uint16_t>({static_cast<double>(value)}); };
-      const std::string old = dicomElement(0x28, element, "US", us(from));
-      packed.replace(packed.find(old), old.size(), dicomElement(0x28, element, "US", us(to)));
-    };
-    replace(0x101, 16, 12);
-    writeFile(folder_.file(name), packed);
-  }
+  pack(GetParam(), {{0x101, 16, 12}});
   if (GetParam() == DicomPacking::kRle) {
     Floats want;
     for (int n = 0; n < 256; ++n) want.push_back(static_cast<float>(n / 16));
