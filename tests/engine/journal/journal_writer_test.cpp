@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "engine/journal/journal_writer.hpp"
 
+#include <cerrno>
 #include <numeric>
+#include <system_error>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/error.hpp"
@@ -13,6 +17,7 @@
 #include "journal_samples.hpp"
 #include "tests/support/few_descriptors.hpp"
 #include "tests/support/refusal.hpp"
+#include "tests/support/without_call.hpp"
 
 namespace palpate {
 namespace journal_writer_test {
@@ -416,6 +421,34 @@ TEST(JournalWriter, AnUndoBehindItsBeginningOnAFullDiskIsAFailure) {
   EXPECT_TRUE(s.writer.canBeginAnew());
   s.writer.close();
   EXPECT_EQ(readJournal(s.place).last_sequence, 4U);
+}
+
+// In a child process, from which no more threads can be started. It was only behind its beginning before.
+TEST(JournalWriter, WithoutAThreadItHasFailedAndMayBeginAnew) {
+#if defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a fork has no thread sanitizer";
+#endif
+  const pid_t child = fork();
+  if (child == 0) {
+    Moved s;
+    s.writer.gatherAnew(4);
+    s.writer.beginAnew(s.beginning());
+    s.writer.undo();
+    s.writer.gatherAnew(5);
+    if (!loseCall(SYS_clone3, EAGAIN) || !loseCall(SYS_clone, EAGAIN)) _exit(2);
+    try {
+      s.writer.beginAnew(s.beginning());
+      _exit(3);
+    } catch (const std::system_error&) {
+    }
+    const bool is_told = s.writer.failure().find("no thread can be started for it") != std::string::npos;
+    _exit(is_told && s.writer.failed() && s.writer.canBeginAnew() ? 0 : 4);
+  }
+  int status = -1;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  if (WEXITSTATUS(status) == 2) GTEST_SKIP() << "this kernel has no seccomp";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 
 TEST(JournalWriter, ReplacesNobodyElsesJournal) {
