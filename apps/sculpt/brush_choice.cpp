@@ -72,7 +72,7 @@ std::string BrushAdvice::take(const BrushChoice& choice, const Lattice& lattice,
   const std::pair now(choice.kind, choice.radius_m);
   if (!rests || seen_ == now) return "";
   seen_ = now;
-  const std::string words = fineBrushWarning(toolBrush(choice, {}).brush, lattice);
+  const std::string words = fineBrushWarning(toolBrush(choice, {}).brush, lattice, Strokes::kMany);
   return words.empty() ? "" : fmt::format("{}: {}", brushEntry(choice.kind).name, words);
 }
 

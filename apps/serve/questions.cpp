@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/questions.hpp"
 
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,7 +13,9 @@
 #include "base/atomic_file.hpp"
 #include "base/other_version.hpp"
 #include "engine/edit/brush_profile.hpp"
+#include "engine/edit/edit_reach.hpp"
 #include "engine/edit/edit_text.hpp"
+#include "engine/edit/lower_edit.hpp"
 #include "engine/session/tool_brush.hpp"
 
 namespace palpate {
@@ -37,11 +40,22 @@ void doOrRefuse(const Questions::Done& done, const std::function<void()>& work) 
   if (const std::optional<Error> refusal = refusalFrom(work, "the question", "ask for less")) done(refusal, {});
 }
 
+// Of a command that reaches no voxel, or is too fine for them; "": neither. A stamp's distances are too many to be
+// lowered twice.
+std::string warningOf(const EditCommand& command, const ServedVolume& served) {
+  if (isStamp(command.kind)) return "";
+  const LoweredEdits lowered = lowerEdits(std::span(&command, 1), served.size(), served.lattice(), served.profile());
+  const BrickGrid grid{served.size(), served.lattice().spacing_m};
+  if (reachedBricks(lowered.commands.front(), grid).empty())
+    return "it reaches no voxel: 'palpate info' says where the volume lies (mm)";
+  return fineBrushWarning(command, served.lattice());
+}
+
 // Of the first one that has any; empty: none has.
-std::string warningOf(const std::vector<EditCommand>& commands, const Lattice& lattice) {
+std::string warningOf(const std::vector<EditCommand>& commands, const ServedVolume& served) {
   std::string warning;
   for (auto command = commands.begin(); command != commands.end() && warning.empty(); ++command)
-    warning = fineBrushWarning(*command, lattice);
+    warning = warningOf(*command, served);
   return warning;
 }
 
@@ -178,7 +192,7 @@ void Questions::edit(const std::vector<std::string>& words, const Done& done) {
   }
   std::string answer = fmt::format("{} edit{} made{}", commands.size(), commands.size() == 1 ? "" : "s",
                                    served_.keepsJournal() ? ", and on the disk" : "");
-  if (const std::string warning = warningOf(commands, served_.lattice()); !warning.empty())
+  if (const std::string warning = warningOf(commands, served_); !warning.empty())
     answer += (commands.size() == 1 ? "; " : "; one of them at least: ") + warning;
   served_.edit(std::move(commands), [done, answer](const std::optional<Error>& refusal) { done(refusal, answer); });
 }

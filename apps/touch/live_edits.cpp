@@ -127,7 +127,7 @@ LiveEdits::LiveEdits(const Scene& scene, Volume& volume, Engine& engine)
     one.tick = held.begin_s > 0 ? std::llround(held.begin_s * scene.rate_hz) : std::numeric_limits<std::int64_t>::min();
     if (held.text.empty()) continue;
     one.brush = toolBrushSpec(held.text);
-    const std::string fine = fineBrushWarning(one.brush->brush, volume.lattice());
+    const std::string fine = fineBrushWarning(one.brush->brush, volume.lattice(), Strokes::kMany);
     if (!fine.empty() && told.insert(held.text).second) edits_.tell("--edit " + held.text + ": " + fine);
   }
   edits_.follow(std::move(scheduled));

@@ -123,6 +123,9 @@ bool hasPlane(EditKind kind) noexcept {
 bool isBrush(EditKind kind) noexcept {
   return !isStamp(kind) && kind != EditKind::kCut;
 }
+bool makesSurface(EditKind kind) noexcept {
+  return kind == EditKind::kAdd || kind == EditKind::kRemove;
+}
 
 EditCommand mirrored(const EditCommand& command, const Vec3& plane_W, const Vec3& normal_W) {
   if (!normal_W.allFinite() || !plane_W.allFinite() || normal_W.norm() == 0)

@@ -3,7 +3,8 @@
 // the tool's path, a plane, or a stamp (a closed mesh). What each kind does to the densities: docs/edits.md.
 //
 // Frame W: world [m]. A brush is a capsule: all points within radius_m of the segment from from_W to to_W. Capsules
-// that share an end leave no gap, however fast the tool moved. Thread: any.
+// that share an end leave no gap, however fast the tool moved.
+// Thread: any.
 #pragma once
 
 #include <array>
@@ -68,6 +69,7 @@ struct EditCommand {
 
 // Which members a kind of command uses: radius_m (brush), value, plane_W and normal_W (plane), stamp (stamp).
 [[nodiscard]] bool isBrush(EditKind kind) noexcept;
+[[nodiscard]] bool makesSurface(EditKind kind) noexcept;  // a brush with a surface of its own: add and remove
 [[nodiscard]] bool hasValue(EditKind kind) noexcept;
 [[nodiscard]] bool hasPlane(EditKind kind) noexcept;
 [[nodiscard]] bool isStamp(EditKind kind) noexcept;

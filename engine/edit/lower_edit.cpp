@@ -81,9 +81,8 @@ class Lowering {
     out_.radius = f(command_.radius_m);
     // A command that makes a surface carries its ramp beyond the radius, unless it fades out before. Every other
     // command ends at the radius, with an edge of at least a voxel.
-    const bool makes_surface = command_.kind == EditKind::kAdd || command_.kind == EditKind::kRemove;
     const double fade_m = command_.falloff * command_.radius_m;
-    const double edge_m = makes_surface ? 0 : lattice_.spacing_m.maxCoeff();
+    const double edge_m = makesSurface(command_.kind) ? 0 : lattice_.spacing_m.maxCoeff();
     const double width_m = std::max(fade_m, edge_m);
     out_.inv_fade = width_m > 0 ? f(1 / width_m) : 0;
     out_.reach = f(width_m > 0 ? command_.radius_m : command_.radius_m + profile_.band_m);

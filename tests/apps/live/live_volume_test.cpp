@@ -44,18 +44,20 @@ class Live : public testing::Test {
   std::optional<LiveVolume> live_;
 };
 
-// Whoever asks before the first look is told of the edits that were made again.
+// Whoever asks before the first look is told of the edits that were made again, and so is who reads the messages.
 TEST_F(Live, KnowsTheEditsOfAJournalFromTheStart) {
   Progress silent(nullptr);
+  std::string said;
   const auto opened = [&](const std::string& journal, const std::string& recovers) {
     LiveVolumeRequest request{.volume = "phantom:sphere?size=16", .plan = makePlan({.edits = true}), .work = "a test"};
     request.journal = folder_.path() / journal;
     if (!recovers.empty()) request.recovers = folder_.path() / recovers;
-    return LiveVolume(request, silent, [](const std::string&) {});
+    return LiveVolume(request, silent, [&](const std::string& words) { said += words; });
   };
   const EditCommand command = edit();
   {
     LiveVolume first = opened("first", "");
+    EXPECT_EQ(said, "");
     for (int i = 0; i < 3; ++i) {
       first.edits().edit({command}, [](const std::optional<Error>& refusal) { EXPECT_FALSE(refusal); });
       first.edits().doWaiting(0);
@@ -64,6 +66,7 @@ TEST_F(Live, KnowsTheEditsOfAJournalFromTheStart) {
   const LiveVolume again = opened("again", "first");
   EXPECT_EQ(again.edits().counts().edits, 3U);
   EXPECT_EQ(again.edits().counts().done, 3U);
+  EXPECT_EQ(said, "edits of the session before that are in the volume again: 3, of which 3 can be undone");
   EXPECT_TRUE(again.isUnsaved());
 }
 

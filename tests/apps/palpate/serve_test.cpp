@@ -50,6 +50,9 @@ TEST_F(Serve, EditsAndIsAsked) {
   EXPECT_THAT(
       tiny,
       HasSubstr("2 edits made, and on the disk; one of them at least: its radius of 1e-07 mm is below half a voxel"));
+  EXPECT_THAT(
+      ctl({"edit", "add:radius=2mm:at=0,0,50mm"}).out,
+      HasSubstr("1 edit made, and on the disk; it reaches no voxel: 'palpate info' says where the volume lies"));
   expectSuccess(ctl({"stop"}));
   for (int look = 0; look < 200 && !engine.hasEnded(); ++look)
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

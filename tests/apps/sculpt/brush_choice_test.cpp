@@ -36,12 +36,12 @@ TEST(BrushChoice, EveryBrushHasItsEditItsInverseAndItsWords) {
 TEST(BrushAdvice, IsTheWarningOfABrushTooSmallForTheVoxels) {
   const Lattice lattice{Vec3::Zero(), Mat3::Identity(), Vec3::Constant(2e-3)};
   BrushAdvice advice;
-  BrushChoice choice{.radius_m = 3e-3};
+  BrushChoice choice{.radius_m = 4e-3};
   EXPECT_EQ(advice.take(choice, lattice, true), "");
   choice.radius_m = 0.9e-3;
   EXPECT_EQ(advice.take(choice, lattice, false), "");  // still dragged
   const std::string words = advice.take(choice, lattice, true);
-  EXPECT_EQ(words, "Drill: " + fineBrushWarning(toolBrush(choice, {}).brush, lattice));
+  EXPECT_EQ(words, "Drill: " + fineBrushWarning(toolBrush(choice, {}).brush, lattice, Strokes::kMany));
   EXPECT_NE(words.find("its radius of 0.9 mm is below half a voxel"), std::string::npos) << words;
   EXPECT_EQ(advice.take(choice, lattice, true), "");
   choice.strength = 1;
@@ -50,7 +50,7 @@ TEST(BrushAdvice, IsTheWarningOfABrushTooSmallForTheVoxels) {
     choice.kind = kind;
     EXPECT_TRUE(advice.take(choice, lattice, true).starts_with(brushEntry(kind).name));
   }
-  choice.radius_m = 1.1e-3;
+  choice.radius_m = 1.1e-3;  // flatten makes no surface of its own
   EXPECT_EQ(advice.take(choice, lattice, true), "");
   choice.radius_m = 0.9e-3;
   EXPECT_NE(advice.take(choice, lattice, true), "");  // anew
