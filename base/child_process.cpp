@@ -221,8 +221,7 @@ ChildTrouble troubleOfEnd(int status, const std::string& input) {
 [[noreturn]] void refuseProcess(const std::string& input, int why) {
   throw Error(Error::Code::kIo, input,
               fmt::format("no process can be started to read it in ({})", std::generic_category().message(why)),
-              why == EMFILE || why == ENFILE ? "raise the limit of open files (ulimit -n)"
-                                             : "end other programs, or raise the limit of processes (ulimit -u)");
+              why == EMFILE || why == ENFILE ? kFreeDescriptors : kFreeProcesses);
 }
 
 // Kills and awaits the child on every way out, so that no zombie is left.

@@ -44,6 +44,10 @@ class Error : public std::runtime_error {
 // The same for a file whose content cannot be right, with the remedy to copy it again.
 [[noreturn]] void refuseDamaged(const std::string& file, const std::string& reason);
 
+// What to do where the system has no more of something for the moment.
+inline constexpr const char* kFreeDescriptors = "end other programs, or raise the limit of open files (ulimit -n)";
+inline constexpr const char* kFreeProcesses = "end other programs, or raise the limit of processes (ulimit -u)";
+
 // Refuses the value of a parameter, "stiffness: -1 cannot be used; give 0 or more", unless it is `good` and finite.
 void checkSetting(bool good, const std::string& name, double value, const std::string& remedy);
 

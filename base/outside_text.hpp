@@ -8,11 +8,16 @@
 
 namespace palpate {
 
+// Whether a terminal may take it as an order.
+[[nodiscard]] constexpr bool isControl(char c) noexcept {
+  return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+}
+
 // Fit for one line of a terminal. Every control character becomes '?', so a name can neither break the line nor steer
 // the terminal.
 [[nodiscard]] inline std::string oneLine(std::string text) {
   for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    if (isControl(c)) c = '?';
   }
   return text;
 }

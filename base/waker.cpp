@@ -16,7 +16,7 @@ namespace palpate {
 Waker::Waker(const std::string& whom) : event_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!event_)
     throw Error(Error::Code::kIo, whom, fmt::format("nothing can wake it ({})", std::strerror(errno)),
-                "raise the limit of open files (ulimit -n)");
+                kFreeDescriptors);
 }
 
 void Waker::wake() const noexcept {

@@ -28,7 +28,7 @@ std::string wholeFile(const std::filesystem::path& file, const std::string& what
                 : is_refused ? Error::Code::kNotFound
                              : Error::Code::kIo,
                 name, fmt::format("{} cannot be opened ({})", what, std::strerror(why)),
-                is_lack      ? "end other programs, or raise the limit of open files (ulimit -n)"
+                is_lack      ? kFreeDescriptors
                 : is_refused ? "check its name and rights"
                              : "see whether its disk can be reached");
   }

@@ -26,7 +26,7 @@ namespace {
 
 [[noreturn]] void refuseProcess(int failure) {
   throw Error(Error::Code::kIo, "palpate", fmt::format("no process can be started ({})", std::strerror(failure)),
-              "end other programs, or raise the limit of processes (ulimit -u)");
+              kFreeProcesses);
 }
 
 // Its end, as waitpid() tells it. A request to stop is handed on, once: one from the terminal has reached it already,

@@ -74,7 +74,12 @@ void tellError(std::string_view text) noexcept {
 
 void printText(std::string_view text) noexcept {
   errno = 0;
-  note(std::fwrite(text.data(), 1, text.size(), stdout) < text.size());
+  bool has_failed = false;
+  for (const char c : text) {
+    const bool is_fit = c == '\n' || c == '\t' || !isControl(c);
+    if (std::fputc(is_fit ? c : '?', stdout) == EOF) has_failed = true;
+  }
+  note(has_failed);
 }
 
 void flushResults() noexcept {

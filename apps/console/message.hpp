@@ -30,7 +30,8 @@ void setMessageForm(MessageForm form);
 // The text as it is, flushed.
 void writeMessage(std::FILE* stream, std::string_view text) noexcept;
 
-// To standard output. Set-up code, one thread.
+// To standard output. Control characters but ends of lines and tabs become '?': names of files may hold some. Set-up
+// code, one thread.
 void printText(std::string_view text) noexcept;
 template <typename... Args>
 void printResult(fmt::format_string<Args...> format, Args&&... args) {

@@ -80,8 +80,7 @@ Ending runVerb(CLI::App& app, const Addressed& addressed, int argc, char** argv)
             fmt::format("{}: {}; check the name", error.path1().string(), error.code().message())};
   } catch (const std::exception& error) {
     if (isLackOfThreads(error)) {
-      return {exitStatus(Error::Code::kIo),
-              "no thread can be started; end other programs, or raise the limit of processes (ulimit -u)"};
+      return {exitStatus(Error::Code::kIo), std::string("no thread can be started; ") + palpate::kFreeProcesses};
     }
     return {kUnexpected,
             fmt::format("unexpected: {}; please report this with the command that you gave", error.what())};

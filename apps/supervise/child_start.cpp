@@ -53,8 +53,7 @@ std::string alongPath(const std::string& program) {
   }
   const bool no_process = failure == EAGAIN || failure == ENOMEM;
   throw Error(Error::Code::kIo, program, fmt::format("{} cannot be started ({})", name, std::strerror(failure)),
-              no_process ? "end other programs, or raise the limit of processes (ulimit -u)"
-                         : "give a program that this user may run");
+              no_process ? kFreeProcesses : "give a program that this user may run");
 }
 
 struct ChildPlan {

@@ -47,8 +47,7 @@ SignalInbox::SignalInbox() : before_{} {
     const int failure = errno;
     has_inbox = false;
     throw Error(Error::Code::kIo, "supervise",
-                std::string("signals cannot be waited for (") + std::strerror(failure) + ")",
-                "raise the limit of open files (ulimit -n)");
+                std::string("signals cannot be waited for (") + std::strerror(failure) + ")", kFreeDescriptors);
   }
   for (auto& count : counts) count = 0;
   struct sigaction ours {};

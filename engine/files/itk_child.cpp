@@ -8,7 +8,6 @@
 
 #include "base/child_process.hpp"
 #include "base/module.hpp"
-#include "engine/files/text_header.hpp"
 
 namespace palpate {
 namespace {
@@ -81,10 +80,8 @@ ItkHeader unpacked(const std::string& bytes) {
 ItkHeader readItkHeader(ItkReader reader, const std::string& path, const std::string& source) {
   const ItkModule& itk = loadModule<ItkModule>();  // here: it is not to be loaded after a fork
   const ChildLimits limits = limitsForFile(static_cast<double>(fileBytes(path, source)));
-  const ChildOutcome outcome = runInChild(source, 1, limits, [&](std::size_t) {
-    checkOpens(path, source, "it");  // ITK would call a file damaged that it merely cannot open
-    return packed(*itk.open(reader, path));
-  });
+  const ChildOutcome outcome =
+      runInChild(source, 1, limits, [&](std::size_t) { return packed(*itk.open(reader, path)); });
   if (!outcome.trouble) return unpacked(outcome.results.at(0));
   if (outcome.trouble->error) throw Error(*outcome.trouble->error);
   refuse(source, "it cannot be read (" + outcome.trouble->words + ")",

@@ -116,8 +116,7 @@ TextHeader readTextHeader(const std::string& path, const std::string& source, Te
 Error cannotRead(const std::string& source, const std::string& what, const std::error_code& why) {
   const bool no_descriptor = why == std::errc::too_many_files_open || why == std::errc::too_many_files_open_in_system;
   return {Error::Code::kIo, source, fmt::format("{} cannot be opened or read: {}", what, why.message()),
-          no_descriptor ? "raise the limit of open files (ulimit -n), or end other programs"
-                        : "check the permissions of the file, and its disk"};
+          no_descriptor ? kFreeDescriptors : "check the permissions of the file, and its disk"};
 }
 
 void checkOpens(const std::string& path, const std::string& source, const std::string& what) {

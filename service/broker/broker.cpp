@@ -108,8 +108,7 @@ Broker::Broker(Tasks tasks, std::chrono::milliseconds patience) : patience_ms_(s
   process_ = fork();
   if (process_ < 0)
     throw Error(Error::Code::kOutOfMemory, kWho,
-                formatted("no process can be started for it ({})", std::strerror(errno)),
-                "end other programs, or raise the limit of processes (ulimit -u)");
+                formatted("no process can be started for it ({})", std::strerror(errno)), kFreeProcesses);
   if (process_ == 0) become(servo, ours, theirs, tasks);
   channel_ = std::move(ours);
 }

@@ -65,7 +65,7 @@ Descriptor newSocket(const std::string& path, Listener::Kind kind) {
   Descriptor socket(::socket(AF_UNIX, type | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   if (!socket)
     refuseSocket(path, Error::Code::kIo, formatted("no socket can be made ({})", std::strerror(errno)),
-                 "raise the limit of open files (ulimit -n)");
+                 kFreeDescriptors);
   return socket;
 }
 
@@ -209,7 +209,7 @@ std::pair<Channel, Channel> channelPair() {
   int ends[2] = {-1, -1};
   if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0, ends) != 0)
     refuseSocket("channel", Error::Code::kOutOfMemory, formatted("no socket can be made ({})", std::strerror(errno)),
-                 "raise the limit of open files (ulimit -n)");
+                 kFreeDescriptors);
   std::pair<Channel, Channel> both{Channel(Descriptor(ends[0])), Channel(Descriptor(ends[1]))};
   both.first.knowSenders();
   both.second.knowSenders();

@@ -17,7 +17,7 @@ namespace palpate {
 class SmallDisk {
  public:
   explicit SmallDisk(std::filesystem::path place) : place_(std::move(place)) {
-    std::filesystem::create_directory(place_);
+    std::filesystem::create_directories(place_);
     mounted_ = mount("tmpfs", place_.c_str(), "tmpfs", 0, "size=256k") == 0;
   }
   ~SmallDisk() {

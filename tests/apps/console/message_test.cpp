@@ -21,6 +21,16 @@ TEST(Messages, AreALineThatNoNameCanBreak) {
   EXPECT_EQ(ended.err, "palpate: a?b?[2Kc.vdb: it is gone; look for it\n");
 }
 
+// A result may have many lines and a table; a name in it cannot steer the terminal either.
+TEST(Results, HaveNoControlCharactersButLinesAndTabs) {
+  const Ended ended = inChild([] {
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    printText("a\033[2Kb\r.vdb\t1 mm\n\x7f\xc3\xa4\n");
+    flushResults();
+  });
+  EXPECT_EQ(ended.err, "a?[2Kb?.vdb\t1 mm\n?\xc3\xa4\n");
+}
+
 // For programs: whatever a name holds, a line is one object, and progress says nothing between.
 TEST(Messages, AreObjectsOfJsonWhereAsked) {
   const Ended ended = inChild([] {

@@ -167,6 +167,26 @@ TEST_F(Convert, ExactRefusesALevelSetInMillimetres) {
   }
 }
 
+// One that is not kept is one too many: 1000 / 1024 mm is a float, a thousand times a tenth is none.
+TEST_F(Convert, ExactRefusesASingleMillimetreThatIsRounded) {
+  std::vector<float> values(512);
+  for (std::size_t n = 0; n < values.size(); ++n) values[n] = static_cast<float>(static_cast<int>(n) - 256) / 1024;
+  VolumeFacts facts;
+  facts.is_level_set = true;
+  const auto save = [&](const char* name) {
+    static_cast<void>(
+        saveVolume(Volume::fromDense(Vec3i::Constant(8), Lattice{Vec3::Zero(), Mat3::Identity(), Vec3::Constant(1e-3)},
+                                     values, facts),
+                   file(name)));
+  };
+  save("all.vdb");
+  static_cast<void>(run({.in = file("all.vdb"), .out = file("b.vdb"), .unit = LengthUnit::kMillimetre, .exact = true}));
+  values[300] = 0.1F;
+  save("one.vdb");
+  expectRefused({.in = file("one.vdb"), .out = file("b.vdb"), .unit = LengthUnit::kMillimetre, .exact = true},
+                Error::Code::kBadInput, "1 of its millimetre values");
+}
+
 // Numbers that floats hold go through every format, whatever their type and scale.
 TEST_F(Convert, ExactIsNoObstacleWhereAllIsKept) {
   std::vector<double> values(64);

@@ -1,47 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volumes that are opened by name or dropped into the window, files that cannot be read or written, and work that no
 // file holds yet.
-#include <cerrno>
 #include <chrono>
 #include <thread>
-
-#include <sys/mount.h>
 
 #include "apps/sculpt/session_folders.hpp"
 #include "base/error.hpp"
 #include "engine/journal/volume_identity.hpp"
 #include "sculpt_window.hpp"
 #include "tests/support/long_run.hpp"
+#include "tests/support/small_disk.hpp"
 
 namespace palpate {
 namespace window_files_test {
-
-// A small file system of its own, until it goes.
-class SmallDisk {
- public:
-  explicit SmallDisk(std::filesystem::path folder) : folder_(std::move(folder)) {
-    std::filesystem::create_directories(folder_);
-    mounted_ = mount("tmpfs", folder_.c_str(), "tmpfs", 0, "size=256k") == 0;
-  }
-  ~SmallDisk() {
-    if (mounted_) umount2(folder_.c_str(), MNT_DETACH);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  [[nodiscard]] bool isThere() const noexcept { return mounted_; }
-  // No byte is left.
-  void fill() const {
-    std::ofstream file(folder_ / "filler", std::ios::binary);
-    while (file.put('x').flush()) {
-    }
-  }
-
- private:
-  std::filesystem::path folder_;
-  bool mounted_ = false;
-};
-
-constexpr const char* kNoDisk = "a file system of its own cannot be mounted here: run the test as root";
 
 // One that is not there leaves what is open; another takes its place.
 TEST_F(OnADesktop, OpensAnotherVolume) {
@@ -148,7 +119,7 @@ TEST_F(OnADesktop, SaysThatAFileCannotBeWritten) {
 TEST_F(OnADesktop, SaysThatADiskIsFull) {
   PALPATE_LONG_ONLY();
   const SmallDisk disk(folder.path() / "disk");
-  if (!disk.isThere()) GTEST_SKIP() << kNoDisk;
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   ASSERT_TRUE(drills());
@@ -167,7 +138,7 @@ TEST_F(OnADesktop, SaysThatADiskIsFull) {
 TEST_F(OnADesktop, GoesOnWithoutItsJournal) {
   PALPATE_LONG_ONLY();
   const SmallDisk disk(home() / ".local/state");
-  if (!disk.isThere()) GTEST_SKIP() << kNoDisk;
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   disk.fill();
@@ -189,7 +160,7 @@ TEST_F(OnADesktop, GoesOnWithoutItsJournal) {
 TEST_F(OnADesktop, EndsWithAnErrorWhereItsJournalLostEdits) {
   PALPATE_LONG_ONLY();
   const SmallDisk disk(home() / ".local/state");
-  if (!disk.isThere()) GTEST_SKIP() << kNoDisk;
+  if (!disk) GTEST_SKIP() << SmallDisk::whyNot();
   start();
   ASSERT_TRUE(showsBall()) << program->said();
   disk.fill();

@@ -8,7 +8,6 @@
 #include "engine/files/volume_name.hpp"
 #include "tests/engine/files/packed_dicom.hpp"
 #include "tests/engine/files/samples.hpp"
-#include "tests/support/few_descriptors.hpp"
 
 namespace palpate {
 namespace dicom_test {
@@ -182,29 +181,6 @@ TEST_F(Dicom, RefusesSlopesAndInterceptsThatAreNoNumbers) {
   flat.slope = "0";  // every density would be the intercept
   writeSeries(flat, {0, 2, 4});
   refuses("RescaleSlope");
-}
-
-// Too few descriptors, for the program or for the child in which GDCM unpacks, are no damage: at every limit up to the
-// first at which the series loads. Returns at how many it does not.
-int refusalsForDescriptors(const std::string& folder) {
-  for (int refusals = 0; refusals < 100; ++refusals) {
-    const int spare = 1 + refusals;  // one for the folder itself
-    std::string words;
-    Error::Code code = Error::Code::kIo;
-    try {
-      const FewDescriptors few(spare);
-      (void)loadVolume(folder);
-      return refusals;
-    } catch (const Error& error) {
-      words = error.what();
-      code = error.code();
-    }
-    EXPECT_THAT(words, testing::HasSubstr("Too many open files")) << spare << " descriptors";
-    EXPECT_THAT(words, testing::HasSubstr("ulimit -n")) << spare << " descriptors";
-    EXPECT_EQ(code, Error::Code::kIo) << spare << " descriptors";
-  }
-  ADD_FAILURE() << "it does not load with any number of descriptors";
-  return 100;
 }
 
 TEST_F(Dicom, SaysThatNoFileCanBeOpened) {

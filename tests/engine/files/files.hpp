@@ -16,6 +16,7 @@
 #include "base/error.hpp"
 #include "engine/field/volume.hpp"
 #include "engine/files/volume_file.hpp"
+#include "tests/support/few_descriptors.hpp"
 
 namespace palpate {
 
@@ -124,6 +125,29 @@ void expectRefusal(const Work& work, const std::string& input, const std::string
 inline void expectLoadRefusal(const std::string& name, const std::string& reason,
                               Error::Code code = Error::Code::kBadInput) {
   expectRefusal([&] { static_cast<void>(loadVolume(name)); }, name, reason, code);
+}
+
+// Too few descriptors, for the program or for the child in which a library reads, are no damage: at every limit up to
+// the first at which the volume loads. Returns at how many it does not.
+inline int refusalsForDescriptors(const std::string& name) {
+  for (int refusals = 0; refusals < 100; ++refusals) {
+    const int spare = 1 + refusals;  // one for the folder itself
+    std::string words;
+    Error::Code code = Error::Code::kIo;
+    try {
+      const FewDescriptors few(spare);
+      (void)loadVolume(name);
+      return refusals;
+    } catch (const Error& error) {
+      words = error.what();
+      code = error.code();
+    }
+    EXPECT_THAT(words, testing::HasSubstr("Too many open files")) << spare << " descriptors";
+    EXPECT_THAT(words, testing::HasSubstr("ulimit -n")) << spare << " descriptors";
+    EXPECT_EQ(code, Error::Code::kIo) << spare << " descriptors";
+  }
+  ADD_FAILURE() << "it does not load with any number of descriptors";
+  return 100;
 }
 
 }  // namespace palpate

@@ -111,8 +111,17 @@ TEST(LoadVolume, SaysThatAFileCannotBeOpened) {
       words = error.what();
       code = error.code();
     }
-    EXPECT_THAT(words, testing::HasSubstr(": it cannot be opened or read: Too many open files; raise the limit"));
+    EXPECT_THAT(words, testing::HasSubstr(": it cannot be opened or read: Too many open files; end other programs"));
     EXPECT_EQ(code, Error::Code::kIo) << file;
+  }
+}
+
+TEST(LoadVolume, SaysThatItsReaderCanOpenNothing) {
+  const TempFolder folder;
+  const Volume ball = loadVolume("phantom:sphere?size=16");
+  for (const char* name : {"a.nrrd", "a.mha"}) {  // those whose header ITK reads, in a child
+    static_cast<void>(saveVolume(ball, folder.file(name)));
+    EXPECT_GT(refusalsForDescriptors(folder.file(name)), 1) << name;
   }
 }
 
