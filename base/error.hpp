@@ -44,8 +44,8 @@ class Error : public std::runtime_error {
 // The same for a file whose content cannot be right, with the remedy to copy it again.
 [[noreturn]] void refuseDamaged(const std::string& file, const std::string& reason);
 
-// What to do where the system has no more of something for the moment.
-inline constexpr const char* kFreeDescriptors = "end other programs, or raise the limit of open files (ulimit -n)";
+// What to do where no file descriptor, and where no process or thread, can be had.
+inline constexpr const char* kFreeDescriptors = "raise the limit of open files (ulimit -n), or end other programs";
 inline constexpr const char* kFreeProcesses = "end other programs, or raise the limit of processes (ulimit -u)";
 
 // Refuses the value of a parameter, "stiffness: -1 cannot be used; give 0 or more", unless it is `good` and finite.

@@ -8,7 +8,7 @@
 
 namespace palpate {
 
-// Whether a terminal may take it as an order.
+// Whether a terminal may take the byte as an order: those of ASCII. (Those of a code page would be parts of letters.)
 [[nodiscard]] constexpr bool isControl(char c) noexcept {
   return static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
 }

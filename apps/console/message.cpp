@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/console/message.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -73,13 +74,15 @@ void tellError(std::string_view text) noexcept {
 }
 
 void printText(std::string_view text) noexcept {
+  const auto is_unfit = [](char c) { return c != '\n' && c != '\t' && isControl(c); };
   errno = 0;
-  bool has_failed = false;
-  for (const char c : text) {
-    const bool is_fit = c == '\n' || c == '\t' || !isControl(c);
-    if (std::fputc(is_fit ? c : '?', stdout) == EOF) has_failed = true;
+  while (!text.empty()) {
+    const auto bad = std::ranges::find_if(text, is_unfit);
+    const auto fit = static_cast<std::size_t>(bad - text.begin());
+    note(std::fwrite(text.data(), 1, fit, stdout) < fit);
+    if (bad != text.end()) note(std::fputc('?', stdout) == EOF);
+    text.remove_prefix(fit + (bad != text.end() ? 1 : 0));
   }
-  note(has_failed);
 }
 
 void flushResults() noexcept {

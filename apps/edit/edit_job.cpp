@@ -213,8 +213,9 @@ class Job {
 
   // Tells once of a brush that is fine for the voxels, since a stroke has many pieces.
   void tellOfFineness(const EditCommand& command, const std::string& where) {
+    if (told_of_fineness_) return;
     const std::string words = fineBrushWarning(command, volume_.lattice());
-    if (words.empty() || told_of_fineness_) return;
+    if (words.empty()) return;
     told_of_fineness_ = true;
     tell_(where + ": " + words);
   }

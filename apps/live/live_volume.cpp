@@ -102,11 +102,9 @@ LiveVolume::LiveVolume(const LiveVolumeRequest& request, Progress& progress, Tel
   if (checkpoints) session_->keepCheckpoints(journal_, found.before, found.held, tell_);
   makeAgain(found.edits, progress);
   edits_ = std::make_unique<RigEdits>(*session_, volume_->size(), volume_->lattice(), tell_);
-  if (journal) {
-    const RigEdits::Counts counts = edits_->counts();
-    tell_(fmt::format("edits of the session before that are in the volume again: {}, of which {} can be undone",
-                      counts.done + counts.forgotten, counts.done));
-  }
+  if (const std::size_t edits = session_->history().editsInEffect(); journal && edits > 0)
+    tell_(fmt::format("edits of the session before that are in the volume again: {}; steps that can be undone: {}",
+                      edits, session_->history().done()));
   if (journal && !journalHolds()) {
     tell_(fmt::format("the edits stay in {}, since the new journal cannot be written", request.recovers.string()));
   }

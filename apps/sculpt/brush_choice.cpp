@@ -72,7 +72,8 @@ std::string BrushAdvice::take(const BrushChoice& choice, const Lattice& lattice,
   const std::pair now(choice.kind, choice.radius_m);
   if (!rests || seen_ == now) return "";
   seen_ = now;
-  const std::string words = fineBrushWarning(toolBrush(choice, {}).brush, lattice, Strokes::kMany);
+  constexpr double kMostIsMissing = 0.5;  // less than that a person sees
+  const std::string words = fineBrushWarning(toolBrush(choice, {}).brush, lattice, Strokes::kMany, kMostIsMissing);
   return words.empty() ? "" : fmt::format("{}: {}", brushEntry(choice.kind).name, words);
 }
 

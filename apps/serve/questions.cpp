@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/serve/questions.hpp"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -40,22 +41,35 @@ void doOrRefuse(const Questions::Done& done, const std::function<void()>& work) 
   if (const std::optional<Error> refusal = refusalFrom(work, "the question", "ask for less")) done(refusal, {});
 }
 
-// Of a command that reaches no voxel, or is too fine for them; "": neither. A stamp's distances are too many to be
-// lowered twice.
-std::string warningOf(const EditCommand& command, const ServedVolume& served) {
-  if (isStamp(command.kind)) return "";
-  const LoweredEdits lowered = lowerEdits(std::span(&command, 1), served.size(), served.lattice(), served.profile());
-  const BrickGrid grid{served.size(), served.lattice().spacing_m};
-  if (reachedBricks(lowered.commands.front(), grid).empty())
-    return "it reaches no voxel: 'palpate info' says where the volume lies (mm)";
-  return fineBrushWarning(command, served.lattice());
+// Whether it is certain that a brush or a cut reaches no voxel. Not asked of stamps, whose distances are too many to be
+// lowered only for this, nor of what the engine will refuse.
+bool reachesNothing(const EditCommand& command, const ServedVolume& served) {
+  if (isStamp(command.kind)) return false;
+  if (command.kind == EditKind::kCut) {
+    const Vec3 normal_W = command.normal_W.normalized(), last = (served.size() - Vec3i::Ones()).cast<double>();
+    for (unsigned corner = 0; corner < 8; ++corner) {
+      const Vec3 p_L((corner & 1) != 0 ? last.x() : 0, (corner & 2) != 0 ? last.y() : 0,
+                     (corner & 4) != 0 ? last.z() : 0);
+      const double height = (served.lattice().toWorld(p_L) - command.plane_W).dot(normal_W);
+      if (!(height < -served.profile().band_m)) return false;
+    }
+    return true;
+  }
+  try {
+    const LoweredEdits lowered = lowerEdits(std::span(&command, 1), served.size(), served.lattice(), served.profile());
+    return reachedBox(lowered.commands.front(), BrickGrid{served.size(), served.lattice().spacing_m}).empty();
+  } catch (const Error&) {
+    return false;
+  }
 }
 
-// Of the first one that has any; empty: none has.
+// Of the first one that reaches nothing, or else is too fine for the voxels; empty: none is.
 std::string warningOf(const std::vector<EditCommand>& commands, const ServedVolume& served) {
+  if (std::ranges::any_of(commands, [&](const EditCommand& one) { return reachesNothing(one, served); }))
+    return "it reaches no voxel: 'palpate info' says where the volume lies (mm)";
   std::string warning;
   for (auto command = commands.begin(); command != commands.end() && warning.empty(); ++command)
-    warning = warningOf(*command, served);
+    warning = fineBrushWarning(*command, served.lattice());
   return warning;
 }
 

@@ -43,28 +43,27 @@ inline constexpr double kRampVoxels = 2;
 // Depth under such a surface at which the ramp ends [m], rising to `object` or falling to the background.
 [[nodiscard]] double rampDepth(const BrushProfile& profile, double object);
 
-// Whether a brush acts once or again and again in its place, as a tool's does. With a falloff one stroke leaves a part
-// of what was there, each further one less of it.
+// Whether a brush acts once or again and again in its place, as a tool's does. With a falloff each stroke leaves a part
+// of what was there, and many leave nothing of it.
 enum class Strokes { kOne, kMany };
 
-// The radius at which an add or a remove at strength 1 puts its surface [m], at most: `radius_m`, less the depth at
-// which a fade leaves as much of what was there as it makes (docs/edits.md). That depth is for equal contrasts on both
-// sides of the isovalue; the farther the old density is from it, the larger.
+// The radius at which an add or a remove at strength 1 is to have its surface [m]: `radius_m`, or for one stroke with a
+// falloff less by the depth at which the fade leaves as much of what was there as it makes (docs/edits.md). For a
+// density before that is as far from the isovalue as the one after; for a nearer one it lies less deep, for a farther
+// one deeper.
 [[nodiscard]] double surfaceRadius(const EditCommand& command, const Lattice& lattice, Strokes strokes = Strokes::kOne);
 
-// The share of the volume within surfaceRadius() by which an add or a remove falls short at least, in [0, 1]. The
-// trilinear field between voxels is above the distance d from the brush's segment, by h^2 / 12 times the second
-// derivative of d on average for each axis of spacing h. On a ball the second derivatives are 2 / 3r on average: the
-// surface lies deeper by the sum of h^2 / 18r. On a cylinder along the unit vector t they are (1 - t_axis^2) / 2r.
-// Without a falloff good to 0.05 where the radius is no less than the largest spacing, to 0.1 at 0.7 of it; below,
-// voxels show a brush by chance.
+// The share of the volume within surfaceRadius() by which an add or a remove falls short, in [0, 1], on average over
+// places between voxels, which blur the density: brush_profile.cpp says how. Good to 0.05 without a falloff, and to
+// 0.12 with one, where that radius is no less than the largest spacing, to 0.1 at 0.7 of it; below, voxels show a brush
+// by chance. Cost: 0.1 us without a falloff, some 10 us with one.
 [[nodiscard]] double brushShortfall(const EditCommand& command, const Lattice& lattice,
                                     Strokes strokes = Strokes::kOne);
 
 // The text of a warning for a brush that is too fine for the voxels: one below half a voxel, or an add or a remove that
-// falls short by kToldShortfall. Empty for any other command.
+// falls short by a share of `told`. Empty for any other command.
 inline constexpr double kToldShortfall = 0.15;
 [[nodiscard]] std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice,
-                                           Strokes strokes = Strokes::kOne);
+                                           Strokes strokes = Strokes::kOne, double told = kToldShortfall);
 
 }  // namespace palpate

@@ -80,6 +80,8 @@ ItkHeader unpacked(const std::string& bytes) {
 ItkHeader readItkHeader(ItkReader reader, const std::string& path, const std::string& source) {
   const ItkModule& itk = loadModule<ItkModule>();  // here: it is not to be loaded after a fork
   const ChildLimits limits = limitsForFile(static_cast<double>(fileBytes(path, source)));
+  // The file was opened a moment before, and a child begins with descriptors to spare (base/child_process.cpp): ITK,
+  // which calls a file damaged that it cannot open, can.
   const ChildOutcome outcome =
       runInChild(source, 1, limits, [&](std::size_t) { return packed(*itk.open(reader, path)); });
   if (!outcome.trouble) return unpacked(outcome.results.at(0));

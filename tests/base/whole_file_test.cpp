@@ -65,7 +65,7 @@ TEST_F(WholeFile, WantsADescriptor) {
   const std::filesystem::path there = file("words");
   const FewDescriptors none;
   EXPECT_THAT(refusalOf([&] { static_cast<void>(wholeFile(there, "the list", 1000)); }, Error::Code::kOutOfMemory),
-              HasSubstr("the list cannot be opened (Too many open files); end other programs"));
+              HasSubstr("the list cannot be opened (Too many open files); raise the limit"));
 }
 
 TEST_F(WholeFile, IsThereAndMayBeRead) {

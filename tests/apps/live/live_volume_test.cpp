@@ -62,11 +62,12 @@ TEST_F(Live, KnowsTheEditsOfAJournalFromTheStart) {
       first.edits().edit({command}, [](const std::optional<Error>& refusal) { EXPECT_FALSE(refusal); });
       first.edits().doWaiting(0);
     }
+    static_cast<void>(first.session().edit({&command, 1}, 0, UndoStep::kLast));  // the last one's stroke goes on
   }
   const LiveVolume again = opened("again", "first");
-  EXPECT_EQ(again.edits().counts().edits, 3U);
+  EXPECT_EQ(again.edits().counts().edits, 4U);
   EXPECT_EQ(again.edits().counts().done, 3U);
-  EXPECT_EQ(said, "edits of the session before that are in the volume again: 3, of which 3 can be undone");
+  EXPECT_EQ(said, "edits of the session before that are in the volume again: 4; steps that can be undone: 3");
   EXPECT_TRUE(again.isUnsaved());
 }
 

@@ -23,12 +23,12 @@ A session that was killed before its journal was there has nothing to recover.)"
 
 std::string tableOf(const std::vector<KillFigures>& kinds) {
   std::string text =
-      fmt::format("{:20}{:>7}{:>14}{:>14}{:>12}{:>11}{:>9}{:>6}{:>9}{:>7}\n", "session", "kills", "with records",
+      fmt::format("{:20}{:>7}{:>14}{:>14}{:>12}{:>11}{:>9}{:>6}{:>9}{:>9}\n", "session", "kills", "with records",
                   "acknowledged", "at most", "recovered", "missing", "torn", "volumes", "saves");
-  text += fmt::format("{:20}{:>7}{:>14}{:>14}{:>12}{:>11}{:>9}{:>6}{:>9}{:>7}\n", "", "", "", "records", "of all",
+  text += fmt::format("{:20}{:>7}{:>14}{:>14}{:>12}{:>11}{:>9}{:>6}{:>9}{:>9}\n", "", "", "", "records", "of all",
                       "records", "records", "", "as twin", "whole");
   for (const KillFigures& k : kinds) {
-    text += fmt::format("{:20}{:>7}{:>14}{:>14}{:>12}{:>11}{:>9}{:>6}{:>9}{:>7}\n", k.kind, k.kills, k.with_records,
+    text += fmt::format("{:20}{:>7}{:>14}{:>14}{:>12}{:>11}{:>9}{:>6}{:>9}{:>9}\n", k.kind, k.kills, k.with_records,
                         k.acknowledged, fmt::format("{}/{}", k.most_acknowledged, k.records_in_all), k.recovered,
                         k.missing, k.torn, fmt::format("{}/{}", k.volumes - k.other_volumes, k.volumes),
                         k.saves == 0 ? "-" : fmt::format("{}/{}", k.saves - k.other_saves, k.saves));

@@ -50,6 +50,14 @@ TEST_F(LiveEdits, TheTraceShowsEveryVersionInStepAndTheSameOnEveryRun) {
   EXPECT_EQ(contentsOf(file("out") / "trace.csv"), first);
 }
 
+// The tool's strokes go on in their place, so of a ball of 2 mm less is missing than one stroke would leave.
+TEST_F(LiveEdits, ABrushThatIsFineForTheVoxelsIsTold) {
+  const Outcome outcome = run(touch({"--edit", "remove:radius=2mm:falloff=0.5"}));
+  expectSuccess(outcome);
+  EXPECT_THAT(outcome.err, HasSubstr("--edit remove:radius=2mm:falloff=0.5: its radius is 2 mm, 2 x 2 x 2 voxels; of "
+                                     "what is within it removes some 46 %"));
+}
+
 // The brush takes away all within a millimetre of the HIP: what was touched is gone with the window that comes next.
 TEST_F(LiveEdits, ASurfaceThatIsRemovedLetsGoWithinOneWindow) {
   expectSuccess(run(touch(kDrill)));

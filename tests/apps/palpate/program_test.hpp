@@ -64,7 +64,7 @@ inline bool isBoundWarning(const std::string& line) {
 
 // A warning of a brush of few voxels, as quick tests have them: what was asked for is done.
 inline bool isBrushWarning(const std::string& line) {
-  return line.find(" % at most, since the surface between voxels is flatter ") != std::string::npos;
+  return line.find(", since the surface between voxels is flatter ") != std::string::npos;
 }
 
 // Nothing on standard error but progress and warnings of bounds and brushes.

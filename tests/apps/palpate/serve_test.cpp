@@ -50,6 +50,13 @@ TEST_F(Serve, EditsAndIsAsked) {
   EXPECT_THAT(
       tiny,
       HasSubstr("2 edits made, and on the disk; one of them at least: its radius of 1e-07 mm is below half a voxel"));
+  for (const char* nowhere : {"remove:radius=2mm:at=25,25,25mm", "cut:point=0,0,50mm:normal=0,0,1"})
+    EXPECT_THAT(ctl({"edit", nowhere}).out, HasSubstr("1 edit made, and on the disk; it reaches no voxel: "))
+        << nowhere;
+  EXPECT_THAT(ctl({"edit", "add:radius=1e-7mm:at=0,0,0mm", "add:radius=2mm:at=0,0,50mm"}).out,
+              HasSubstr("one of them at least: it reaches no voxel: "));
+  EXPECT_EQ(ctl({"edit", "cut:point=0,0,5mm:normal=0,0,1"}).out, "1 edit made, and on the disk\n");
+  expectSuccess(ctl({"undo"}));
   EXPECT_THAT(
       ctl({"edit", "add:radius=2mm:at=0,0,50mm"}).out,
       HasSubstr("1 edit made, and on the disk; it reaches no voxel: 'palpate info' says where the volume lies"));

@@ -36,7 +36,7 @@ TEST(BrushChoice, EveryBrushHasItsEditItsInverseAndItsWords) {
 TEST(BrushAdvice, IsTheWarningOfABrushTooSmallForTheVoxels) {
   const Lattice lattice{Vec3::Zero(), Mat3::Identity(), Vec3::Constant(2e-3)};
   BrushAdvice advice;
-  BrushChoice choice{.radius_m = 4e-3};
+  BrushChoice choice{.radius_m = 5.5e-3};
   EXPECT_EQ(advice.take(choice, lattice, true), "");
   choice.radius_m = 0.9e-3;
   EXPECT_EQ(advice.take(choice, lattice, false), "");  // still dragged
@@ -50,6 +50,10 @@ TEST(BrushAdvice, IsTheWarningOfABrushTooSmallForTheVoxels) {
     choice.kind = kind;
     EXPECT_TRUE(advice.take(choice, lattice, true).starts_with(brushEntry(kind).name));
   }
+  choice.kind = BrushKind::kAdd;
+  choice.radius_m = 4e-3;  // 2 voxels, within which less than half is added
+  EXPECT_NE(advice.take(choice, lattice, true).find("of what is within it adds some 4"), std::string::npos);
+  choice.kind = BrushKind::kFlatten;
   choice.radius_m = 1.1e-3;  // flatten makes no surface of its own
   EXPECT_EQ(advice.take(choice, lattice, true), "");
   choice.radius_m = 0.9e-3;

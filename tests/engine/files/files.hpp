@@ -131,7 +131,7 @@ inline void expectLoadRefusal(const std::string& name, const std::string& reason
 // the first at which the volume loads. Returns at how many it does not.
 inline int refusalsForDescriptors(const std::string& name) {
   for (int refusals = 0; refusals < 100; ++refusals) {
-    const int spare = 1 + refusals;  // one for the folder itself
+    const int spare = 1 + refusals;  // none is what every reader's first look is refused for
     std::string words;
     Error::Code code = Error::Code::kIo;
     try {

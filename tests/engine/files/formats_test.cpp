@@ -11,6 +11,7 @@
 #include "engine/files/magic.hpp"
 #include "engine/files/volume_file.hpp"
 #include "tests/engine/files/files.hpp"
+#include "tests/engine/files/samples.hpp"
 #include "tests/support/few_descriptors.hpp"
 
 namespace palpate {
@@ -111,7 +112,7 @@ TEST(LoadVolume, SaysThatAFileCannotBeOpened) {
       words = error.what();
       code = error.code();
     }
-    EXPECT_THAT(words, testing::HasSubstr(": it cannot be opened or read: Too many open files; end other programs"));
+    EXPECT_THAT(words, testing::HasSubstr(": it cannot be opened or read: Too many open files; raise the limit"));
     EXPECT_EQ(code, Error::Code::kIo) << file;
   }
 }
@@ -123,6 +124,11 @@ TEST(LoadVolume, SaysThatItsReaderCanOpenNothing) {
     static_cast<void>(saveVolume(ball, folder.file(name)));
     EXPECT_GT(refusalsForDescriptors(folder.file(name)), 1) << name;
   }
+  const std::string raw = bytesOf<short>(rampValues());
+  writeFile(folder.file("a.raw"), raw);
+  writeFile(folder.file("b.mhd"), metaHeader("MET_SHORT", "ElementSpacing = 0.5 0.75 2\n", "a.raw"));
+  writeFile(folder.file("b.nhdr"), nrrdHeader("short", "raw") + "data file: a.raw\n");
+  for (const char* name : {"b.mhd", "b.nhdr"}) EXPECT_GT(refusalsForDescriptors(folder.file(name)), 1) << name;
 }
 
 TEST(HeadOf, SaysThatAFileCannotBeRead) {
