@@ -230,7 +230,7 @@ TEST(JournalReader, SaysThatNoDescriptorIsLeft) {
   }
   const FewDescriptors none;
   EXPECT_THAT(refusalOf([&] { static_cast<void>(readJournal(folder.path())); }, Error::Code::kOutOfMemory),
-              HasSubstr("(Too many open files); end other programs"));
+              HasSubstr("(Too many open files); raise the limit"));
 }
 
 }  // namespace journal_reader_test
