@@ -138,9 +138,9 @@ std::string fineBrushWarning(const EditCommand& command, const Lattice& lattice,
   const std::string which =
       rim == Rim::kFade
           ? fmt::format(
-                "one stroke with its falloff of {:g} is to have its surface at a radius of {}; of what is within",
+                "one stroke with its falloff of {:g} is to have its surface at a radius of {}; of what is within,",
                 command.falloff, size)
-          : fmt::format("its radius is {}; of what is within", size);
+          : fmt::format("its radius is {}; of what is within,", size);
   const std::string share = voxels.minCoeff() < 0.7
                                 ? fmt::format("it {} some part or nothing, as its place between voxels has it", makes)
                                 : fmt::format("it {} some {:.0f} %", makes, 100 * (1 - shortfall));

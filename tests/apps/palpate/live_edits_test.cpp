@@ -55,7 +55,7 @@ TEST_F(LiveEdits, ABrushThatIsFineForTheVoxelsIsTold) {
   const Outcome outcome = run(touch({"--edit", "remove:radius=2mm:falloff=0.5"}));
   expectSuccess(outcome);
   EXPECT_THAT(outcome.err, HasSubstr("--edit remove:radius=2mm:falloff=0.5: its radius is 2 mm, 2 x 2 x 2 voxels; of "
-                                     "what is within it removes some 46 %"));
+                                     "what is within, it removes some 46 %"));
 }
 
 // The brush takes away all within a millimetre of the HIP: what was touched is gone with the window that comes next.

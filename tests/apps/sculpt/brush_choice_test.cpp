@@ -52,7 +52,7 @@ TEST(BrushAdvice, IsTheWarningOfABrushTooSmallForTheVoxels) {
   }
   choice.kind = BrushKind::kAdd;
   choice.radius_m = 4e-3;  // 2 voxels, within which less than half is added
-  EXPECT_NE(advice.take(choice, lattice, true).find("of what is within it adds some 4"), std::string::npos);
+  EXPECT_NE(advice.take(choice, lattice, true).find("of what is within, it adds some 4"), std::string::npos);
   choice.kind = BrushKind::kFlatten;
   choice.radius_m = 1.1e-3;  // flatten makes no surface of its own
   EXPECT_EQ(advice.take(choice, lattice, true), "");

@@ -168,7 +168,7 @@ TEST(FineBrushWarning, IsForBrushesThatFallShort) {
   const Lattice lattice = latticeOf({1e-3, 1e-3, 2.1e-3});
   const auto words = [&](EditCommand command) { return fineBrushWarning(command, lattice); };
   EditCommand command = brush(EditKind::kRemove, Vec3::Zero(), Vec3::Zero(), 1.5e-3);
-  EXPECT_THAT(words(command), HasSubstr("its radius is 1.5 mm, 1.5 x 1.5 x 0.71 voxels; of what is within it removes "
+  EXPECT_THAT(words(command), HasSubstr("its radius is 1.5 mm, 1.5 x 1.5 x 0.71 voxels; of what is within, it removes "
                                         "some 60 %, since"));
   EXPECT_THAT(words(command), HasSubstr("give a larger radius, or resample"));
   command.kind = EditKind::kAdd;
@@ -176,11 +176,11 @@ TEST(FineBrushWarning, IsForBrushesThatFallShort) {
   command.falloff = 0.5;
   EXPECT_THAT(words(command),
               HasSubstr("one stroke with its falloff of 0.5 is to have its surface at a radius of 0.914 "
-                        "mm, 0.91 x 0.91 x 0.44 voxels; of what is within it adds some part or nothing"));
+                        "mm, 0.91 x 0.91 x 0.44 voxels; of what is within, it adds some part or nothing"));
   EXPECT_THAT(words(command), HasSubstr("give a larger radius or no falloff, or resample"));
   EXPECT_THAT(fineBrushWarning(command, lattice, Strokes::kMany), HasSubstr("its radius is 1.5 mm, 1.5 x"));
   command.radius_m = 4e-3;
-  EXPECT_THAT(fineBrushWarning(command, lattice, Strokes::kMany), HasSubstr("of what is within it adds some 5"));
+  EXPECT_THAT(fineBrushWarning(command, lattice, Strokes::kMany), HasSubstr("of what is within, it adds some 5"));
   command.radius_m = 1.5e-3;
   command.falloff = 0;
   command.kind = EditKind::kSmooth;  // makes no surface of its own
